@@ -9,6 +9,10 @@
 //! [`read`](read()) finds the format of a text, and [`Format::read`] reads a text of a known
 //! format. Both return a [`Reading`] or the [`Diagnostics`](diagnostics::Diagnostics). A model that
 //! was built in code passes the same checks by [`Reading::of_model`].
+//!
+//! Each folder imports only folders to its left: `diagnostics` ← `description` ← `check` ←
+//! `assemble` ← `read`. A format knows no model, and a model no format. A check reports at the
+//! places that it is given, or without places for a model that was not read.
 
 mod assemble;
 mod check;

@@ -1,5 +1,14 @@
 //! Back ends: from a [`Plan`] to text, one folder for each language ([`Target`]), which implements
 //! [`Backend`]. Back ends make no decisions.
+//!
+//! The same input gives the same bytes on every host. Constants are folded through `libm`, and
+//! nothing depends on an address or on the order of a hash map. Sines of `f64` use fused products
+//! where the target has them, so numbers in the text that come from equations (base parameters, the
+//! condition number) are computed on `Portable`, which never fuses. `lab/check` compares the text
+//! of all robots from compilers built with and without fused products.
+//!
+//! Helper types begin with two underscores (`names::helper_type`), which no robot's type does.
+//! Entries of parameters are called `q_0`, temporaries `x0` (`Parameter::entry`).
 
 mod c;
 mod casadi;

@@ -1,4 +1,7 @@
 //! Expressions as scalars: tracing.
+//!
+//! An `Expr` has the number of its trace. If it is used in another trace, `Graph::try_trace`
+//! returns an error, and `Graph::trace`, for modyn's own equations, panics.
 
 use std::cell::RefCell;
 use std::fmt;

@@ -4,6 +4,10 @@
 //! The run time of straight-line code of a few hundred operations is its critical path. A sum of n
 //! terms needs n - 1 additions in any order. Products are fused into additions, except one in each
 //! partial sum. Partial sums are therefore made only on critical paths.
+//!
+//! The critical path of forward dynamics becomes 8 % (`arm6`) to 15 % (`arm7`) shorter, in the
+//! cycles of the pass, with no more operations (`cargo test -p modyn-codegen balance::`). Long
+//! functions are not balanced, since they keep all units of a processor busy.
 
 use crate::graph::{Graph, Id, Node};
 

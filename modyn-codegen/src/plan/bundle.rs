@@ -3,6 +3,9 @@
 //! The graph of a bundle is the union of the graphs of its members, traced over the same inputs:
 //! the arguments of all members by name, each once, then the run-time parameters. Equal nodes of
 //! the graphs are one node of the union.
+//!
+//! A function of one link may have a second graph that shares more with the other members
+//! (`in_bundles`); the smallest union wins.
 
 use std::collections::BTreeMap;
 

@@ -4,6 +4,8 @@
 //! folded as constants. All further links of the body share one program, with the pose on the body
 //! as an argument: a row of a table. Each further link therefore adds a row and a call, whatever
 //! the function computes.
+//!
+//! `link_poses` places further links on the poses of their bodies.
 
 use modyn_runtime::mechanism::{BodyFrame, Mechanism};
 use modyn_runtime::spatial::Pose;

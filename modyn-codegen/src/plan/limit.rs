@@ -1,5 +1,9 @@
 //! The limit of the operations of a robot's functions. Functions are counted one after the other,
 //! and the graph of one cannot grow far beyond the limit while it is traced.
+//!
+//! A function that certainly exceeds the limit is not traced (`least`). Beyond a number of nodes a
+//! traced operation is one of its operands (`graph/limit.rs`), so the equations run to their end
+//! without new nodes.
 
 use super::planned::{Kernels, Planned};
 use crate::graph::within;

@@ -4,6 +4,8 @@
 //! their operations are counted, and the cheapest is taken. The uniform candidates are modules of
 //! one link, and one module for each chain. From the cheaper of the two the search varies one group
 //! of chains at a time. Chains with the same sequence of joint types (legs, arms) are cut alike.
+//!
+//! With one link in each module, the elimination is the articulated-body algorithm.
 
 use std::collections::BTreeMap;
 use std::ops::Range;

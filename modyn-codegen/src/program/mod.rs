@@ -18,6 +18,10 @@
 //!
 //! Programs have one kind of loop ([`Loops`]): routines run over arrays, for each row of a table.
 //! Recursions over bodies and equal limbs that share code are such loops.
+//!
+//! `validate` checks each program once, before a printer sees it. If a packed program is invalid,
+//! the plan uses the program on scalars and adds a warning. `evaluate` computes a program's results
+//! on numbers: the reference of all back ends.
 
 mod around_loops;
 mod bodies;

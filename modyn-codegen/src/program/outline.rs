@@ -4,6 +4,8 @@
 //! crashed on thousands of `let`s in one scope. A chunk returns the values that later chunks need,
 //! and these read the values from its result. Chunks that copied values in order to pass them on
 //! would double the work of a long function.
+//!
+//! Scopes have at most 250 statements; chunks 500 or 800, and 2,500 on a GPU.
 
 use std::collections::BTreeSet;
 use std::ops::Range;

@@ -13,6 +13,10 @@
 //! All parts are one graph. A node belongs to the part whose inputs it depends on. A node of the
 //! full step that only the results need, such as the acceleration of a limb that touches nothing,
 //! runs after the loops.
+//!
+//! All languages but CasADi print the loops; MATLAB runs them for all states together, and each
+//! state leaves at its own end. Machine code has a function for each part
+//! (`Program::around_loops`), and `modyn-jit/src/looped.rs` runs the loops.
 
 use std::collections::BTreeMap;
 use std::ops::Range;

@@ -6,6 +6,10 @@
 //! only. Here a function scales quaternions to length 1 first. So it has a value at any length, and
 //! its derivatives by all four entries are the derivatives of this value: the derivative along the
 //! quaternion is zero.
+//!
+//! A *family* is a function with the functions of its derivatives. The Jacobian of forward dynamics
+//! is the closed form, with each quaternion's tangent written in its entries. The Hessian goes
+//! through second derivatives of inverse dynamics.
 
 use modyn_runtime::equations::brge::UduLayout;
 use modyn_runtime::mechanism::coordinates::CoordinateSpace;

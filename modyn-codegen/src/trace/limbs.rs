@@ -10,6 +10,14 @@
 //!
 //! Chains on different bodies can be merged, too (legs and arms). Each lane then has its own
 //! parent. Shorter chains are extended by joints that move nothing.
+//!
+//! Only equations that sum over the lanes accept a `MergedMechanism`: they are generic over
+//! `BodyTree`, whose `.._to_parents` adds up the bodies on a parent. All other equations take a
+//! `Mechanism`, so misuse does not compile. The lane operations belong to `LaneScalar`, which
+//! expressions implement and numbers do not. A trunk that moves couples the limbs, so the inverse
+//! of the mass matrix has no zeros between them: `factorization/limb_coupling.rs` of the runtime
+//! computes these blocks. The graph becomes a program on vectors, or loops over the limbs
+//! (`program/repeat.rs`).
 
 mod contacts;
 pub(crate) mod groups;

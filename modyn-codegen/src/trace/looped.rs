@@ -1,5 +1,12 @@
 //! The graphs of a recursion that runs in loops over the bodies: one for each kind of bodies, in
 //! which the numbers of a body are inputs.
+//!
+//! The equations of a sweep over bodies call a function for one body, such as `link_wrench`.
+//! `equations/dynamics/one_body.rs` of the runtime calls the same functions with the numbers that
+//! pass between a body and its parent as arguments, and is traced once for each kind of body (joint
+//! type, free base). The constants of a body are inputs, unless all bodies of the kind have the
+//! same constant, which is folded. `program/bodies/` cuts the graph into one routine for each
+//! sweep, and assigns places in a body's record to the numbers that the body keeps or exchanges.
 
 use std::cell::RefCell;
 

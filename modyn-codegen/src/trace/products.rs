@@ -5,6 +5,9 @@
 //! mass matrix M, a change of the accelerations is M^-1 (d tau - d ID) at constant accelerations.
 //! The product with M^-1 is the derivative of forward dynamics with respect to tau, in which
 //! forward dynamics is linear, so it shares the factorization.
+//!
+//! Inverse dynamics is differentiated with the accelerations as inputs, and composed with forward
+//! dynamics afterwards (`Graph::compose`): composed before, folding could cancel the two.
 
 use std::ops::Range;
 

@@ -1,4 +1,9 @@
 //! The graphs of users' functions.
+//!
+//! A `UserFunction` is called on an `Interpreter<Expr>`, whose mechanism has the run-time
+//! parameters as inputs, so it can call every function of the interpreter. `Builder` traces it
+//! before a plan is made, so its errors are errors of the compilation. `tangent` makes its
+//! derivatives from the value's graph.
 
 use modyn_runtime::model::Model;
 use modyn_runtime::{Interpreter, UserError};

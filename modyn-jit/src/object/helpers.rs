@@ -5,6 +5,9 @@
 //! in the same order, so they have the same bits, which `tests/object.rs` compares. Each takes
 //! pointers to its results and arguments, and a number of lanes; see `helper.rs`. They use SSE2
 //! only, no stack, and none of the registers that belong to their caller.
+//!
+//! The reduction of large angles exists in Rust, C, WGSL and here: it needs wide integers, which a
+//! `Program` does not have, and an object file must not need a C compiler.
 
 use modyn_runtime::{
     ELEMENTARY_F32, ELEMENTARY_F64, ElementaryNumbers, FRAC_1_PI_BITS, PI_BITS, trig_steps,

@@ -1,5 +1,8 @@
 //! Checks whether joints can move: armatures, damping, ratios of mimic joints, and the inertia that
 //! each joint moves.
+//!
+//! Damping and friction act only with the option `friction`: in many files they are placeholders,
+//! and the dynamics of other libraries leave them out.
 
 use modyn_runtime::model::{Friction, Inertial, JointDynamics, Model};
 

@@ -15,6 +15,9 @@
 //! leader as a rotor. A leader is therefore rejected only if neither it nor a mimic joint that
 //! follows it moves inertia. This is simpler than the mass matrix of the coupled joints: motions
 //! that cancel exactly in the ratio of a mimic joint are not found.
+//!
+//! This elimination is the one equation that exists twice: it also tracks how much of each pivot
+//! cancels, which tells a joint that moves no inertia from a joint that moves little.
 
 use modyn_runtime::joint::{JointType, planar};
 use modyn_runtime::model::{Inertial, Joint, Model};

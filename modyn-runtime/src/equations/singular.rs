@@ -8,6 +8,12 @@
 //! The check runs when inertias change at run time. The compiler checks descriptions by itself.
 //!
 //! A mimic joint is locked, and its inertia is added to its leader's as a rotor.
+//!
+//! The compiler removes the described inertias of `runtime_inertia` links before inertia is moved
+//! to parents, and adds the arguments to their bodies. It emits this check for the joints that move
+//! no inertia when all these arguments are zero; often there are none, and no check. The
+//! interpreter runs the check at each change. Payloads need no check, since more inertia never
+//! makes a mass matrix singular.
 
 use alloc::{vec, vec::Vec};
 

@@ -1,4 +1,9 @@
 //! The interpreter: the equations run on numbers, for any model at run time.
+//!
+//! The methods have typed results (`Twist`, `Pose`, records of slices) and allocate nothing,
+//! whereas the layouts of a row of the table of functions allocate. [`Interpreter::evaluate`] calls
+//! the methods by the table, on plain numbers. Public methods check the lengths of slices; inside,
+//! lengths fit by construction.
 
 mod constraint_hessians;
 mod constraints;

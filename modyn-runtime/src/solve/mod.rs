@@ -15,6 +15,14 @@
 //! | `ground` | both, one after the other |
 //! | `rank` | the pseudo-inverse of constraint rows, of which some may be dependent |
 //! | `derivative` | the derivatives of the impulses that solve the equations |
+//!
+//! A step on the ground has three parts. `contact_problem`, a row of the table of functions, is
+//! straight-line code: the motion without contacts, J M^-1 J^T and M^-1 J^T. The loops of this
+//! folder then solve for the impulses, until their residual is small (`Decide`) or a number of
+//! iterations is reached. The third part adds the responses to the velocities; the inverse of the
+//! mass matrix is computed only if a joint reaches a stop. Expressions have no values to decide by,
+//! so `contact_step`, another row of the table, is a fixed number of the same sweeps as
+//! straight-line code.
 
 mod contact;
 mod decide;

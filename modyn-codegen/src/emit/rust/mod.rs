@@ -4,6 +4,10 @@
 //! functions are concrete: type inference stays simple, and the code is compiled in the robot's
 //! crate. The text uses `core` and the crate `modyn` only. The same input gives the same text in
 //! every process: nothing depends on an address or on the order of a hash map.
+//!
+//! The printer writes text, not tokens: a macro runs unoptimised, where rustc's lexer is faster
+//! than building tokens one by one, and build scripts get a readable file. So the compiler needs
+//! neither `syn` nor `quote`.
 
 mod batch;
 mod c_functions;

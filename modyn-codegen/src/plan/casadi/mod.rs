@@ -4,6 +4,9 @@
 //! `CasADi` finds derivatives by their names. For a function `f`, they are its Jacobian `jac_f`,
 //! products with it `fwd1_f` and `adj1_f`, and the Jacobian of the latter `jac_adj1_f`, which has
 //! the second derivatives of a weighted sum of the results.
+//!
+//! Results that are constant zeros are dropped: the remaining entries are the sparsity patterns.
+//! The signatures of the derivatives follow from the function's.
 
 mod family;
 mod matrix;

@@ -46,6 +46,13 @@
 //! redundant, the multipliers minimize the sum of force^2 + (moment / l)^2 over all constraints.
 //! Where rows contradict each other, the accelerations minimize the sum of the squared residuals,
 //! linear^2 + (l angular)^2. Neither sum depends on the orientation of the mechanism.
+//!
+//! The model is always a tree: the joint that was cut is a `LoopConstraint` beside it, and a foot
+//! is a `Contact`. Only this folder reads both, as one list of constrained frames. Redundant rows
+//! are found by pivoting over all constraints together, with selections in place of branches,
+//! against the mobility of each constraint in all six directions. Contacts of merged limbs have a
+//! lane for each limb; the factorization takes them out of the lanes (`lanes`), since it couples
+//! all contacts.
 
 mod adjoint;
 mod arguments;

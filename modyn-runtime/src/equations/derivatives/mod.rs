@@ -14,6 +14,13 @@
 //! Derivatives with respect to coordinates are in the tangent space. For spherical and floating
 //! joints the tangent vectors are displacements in the link's own axes. Matrices are nv x nv by
 //! columns.
+//!
+//! Velocity forces are quadratic in qd, so forward dynamics with derivatives gets its bias forces
+//! from d tau / d qd, and needs one Newton-Euler pass, at the computed accelerations. The
+//! derivatives are solved for by the factors of the mass matrix, not by the recursion, because the
+//! columns then share more operations; in lanes they are products with the inverse, which takes
+//! fewer operations there. Columns move to the root one by one in the interpreter, and four in the
+//! lanes of a pack in vector code (`MergedMechanism::with_column_lanes`).
 
 mod centroidal;
 mod composite;

@@ -1,5 +1,9 @@
 //! The factorization U D U^T of the mass matrix by modules: block reverse Gaussian elimination.
 //! (`lu`: of matrices that are not symmetric.)
+//!
+//! The module-level elimination (`recursive`) serves `brge`, with the user's modules, and forward
+//! dynamics. `brge` keeps each pivot block as V Delta V^T instead of its inverse, so `solve` has no
+//! explicit inverse.
 
 pub(super) mod blocks;
 mod layout;
