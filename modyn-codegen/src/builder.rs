@@ -437,13 +437,6 @@ impl Builder {
     /// Returns all errors of the description and the options, and an error if the function has too
     /// many operations.
     pub fn plan_entries(&self, function: &EntryFunction) -> Result<Planning, Diagnostics> {
-        if function.function.row().has_solver {
-            let name = function.function.name();
-            let message = format!("`{name}` has no form that libraries of arrays differentiate");
-            let error = Diagnostic::new(Severity::Error, Code::Option, message);
-            let help = format!("call `{name}` of the robot, which has no gradients");
-            return Err(Diagnostics::new(vec![error.with_help(help)]));
-        }
         let Inputs { model, modules, choices, options, files } =
             self.clone().functions([]).inputs()?;
         let planned = Plan::for_entries(&model, &modules, &choices.of_machine_code(), function);

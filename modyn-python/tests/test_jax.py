@@ -49,8 +49,7 @@ def arguments(own, name, n=3):
     return link, [argument(one, tuple(shape), q, n, rng) for one, shape, default in listed if default is None]
 
 
-# The solver of `step` is a loop, which has no form for JAX.
-FUNCTIONS = [name for name in modyn.functions() if name not in ("brge", "step")]
+FUNCTIONS = [name for name in modyn.functions() if name != "brge"]
 # Their derivatives are of third order, and long.
 HESSIANS = [name for name in FUNCTIONS if name.endswith("_hessian")]
 
@@ -76,7 +75,7 @@ def test_values_are_those_of_the_method(standing, name):
             close(a, b, 1e-9)
 
 
-@pytest.mark.parametrize("name", [name for name in FUNCTIONS if name not in HESSIANS])
+@pytest.mark.parametrize("name", [name for name in FUNCTIONS if name not in HESSIANS and name != "step"])
 def test_derivatives_of_all_functions(standing, name):
     """Forward mode beside finite differences, along a random direction; reverse mode beside forward mode."""
     link, given = arguments(standing, name, 1)
@@ -98,6 +97,45 @@ def test_derivatives_of_all_functions(standing, name):
     dot = lambda a, b: sum(float((u * v).sum()) for u, v in zip(jax.tree.leaves(a), jax.tree.leaves(b)))
     left, right = dot(weights, change), dot(gradients, tuple(t))
     assert abs(left - right) <= 1e-9 * max(1.0, abs(left), *(abs(float(one)) for one in (left, right)))
+
+
+def on_the_ground():
+    """Returns a robot whose joints have damping and dry friction and are beyond a limit, and a state with contacts in the ground."""
+    own = robot(contacts=CONTACTS, friction="coulomb")
+    rng = np.random.default_rng(2)
+    q, qd, *_ = (x[0] for x in states(own, 1))
+    q[2] -= own.link_poses(q).translation[:, 2].min() + 0.05
+    surface = modyn.ContactSurface(radius=0.02, friction=0.7)
+    settings = np.asarray(modyn.StepSettings([surface] * len(own.contact_names), tolerance=1e-13))
+    return own, [q, qd, rng.normal(size=own.nv), np.array(0.003), np.zeros(own.nv), settings]
+
+
+def test_derivatives_of_steps():
+    """Beside finite differences of the solution, with respect to the state, the forces, the time and the settings."""
+    own, given = on_the_ground()
+    x = [jnp.asarray(one) for one in given]
+    function = jax.jit(modyn.jax.function(own, "step"))
+    solution = function(*x)
+    assert (solution.forces[:, 2] > 0).any() and solution.residual < 1e-12
+    rng = np.random.default_rng(3)
+    t = [jnp.asarray(rng.normal(size=one.shape)) for one in x]
+    t[3] = t[3] * 1e-3
+    t[5] = t[5].at[:2].set(0.0) * 1e-3
+    value = lambda *x: function(*x)[:4]
+    found, change = jax.jvp(value, x, t)
+    along = lambda h: value(*(a + h * b for a, b in zip(x, t)))
+    h = 1e-5
+    for a, b, expected in zip(along(h), along(-h), change):
+        close((a - b) / (2 * h), expected, 1e-5)
+    weights = tuple(jnp.asarray(rng.normal(size=one.shape)) for one in found)
+    gradients = jax.vjp(value, *x)[1](weights)
+    dot = lambda a, b: sum(float((u * v).sum()) for u, v in zip(a, b))
+    assert abs(dot(weights, change) - dot(gradients, t)) <= 1e-9 * max(1.0, abs(dot(weights, change)))
+    # The solution does not depend on the start.
+    assert not np.asarray(gradients[4]).any()
+    close(jax.jacfwd(value)(*x)[1], jax.jacrev(value)(*x)[1], 1e-9)
+    with pytest.raises(NotImplementedError, match="`step` has first derivatives alone"):
+        jax.hessian(lambda q: value(q, *x[1:])[1].sum())(x[0])
 
 
 @pytest.mark.parametrize("name", ["forward_dynamics", "inverse_dynamics", "step_semi_implicit", "integrate", "link_pose"])

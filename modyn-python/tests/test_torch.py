@@ -63,6 +63,26 @@ def test_second_derivatives(name):
     assert torch.autograd.gradgradcheck(function, x, fast_mode=True, check_fwd_over_rev=True)
 
 
+
+def test_gradients_of_steps():
+    """Those of the solution, by finite differences; the same under `torch.compile`."""
+    own = robot(contacts={"foot": ("point", "link3", (0.1, -0.2, 0.05))})
+    rng = np.random.default_rng(2)
+    q, qd, *_ = (x[0] for x in states(own, 1))
+    q[2] -= own.link_poses(q).translation[:, 2].min() + 0.05
+    settings = modyn.StepSettings([modyn.ContactSurface(radius=0.02, friction=0.7)], tolerance=1e-13)
+    settings = torch.from_numpy(np.asarray(settings))
+    given = [torch.from_numpy(x).requires_grad_() for x in (q, qd, rng.normal(size=own.nv))]
+    function = modyn.torch.function(own, "step")
+    zeros = torch.zeros(own.nv, dtype=torch.float64)
+    step = lambda q, qd, tau: tuple(function(q, qd, tau, 0.003, zeros, settings))[:4]
+    assert (step(*given)[3][:, 2] > 0).any()
+    assert torch.autograd.gradcheck(step, given, eps=1e-6, atol=1e-5, rtol=1e-5)
+    total = lambda step: torch.autograd.grad(sum(x.sum() for x in step(*given)), given)
+    for a, b in zip(total(step), total(torch.compile(step, backend="eager"))):
+        assert torch.allclose(a, b, rtol=1e-9, atol=1e-9)
+
+
 def test_functional_transformations():
     own = robot()
     q, qd, tau = tensors(own)

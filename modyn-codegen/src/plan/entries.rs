@@ -220,12 +220,14 @@ impl EntryFunction {
                 let tracer = &context.tracer;
                 optimize(tracer.with_extras(*feedback, *cost, settings, &step, &difference))
             }
+            None if row.has_solver => context.refined_step(),
             None => packing::on_scalars(*function, context),
         };
         let is_packed = link.is_none()
             && !feedback
             && !cost
             && self.derivatives.is_empty()
+            && !row.has_solver
             && !matches!(Lowering::of(*function).source, GraphSource::Poses);
         let packed = is_packed.then(|| packing::packed(*function, context, &traced)).flatten();
         let outputs = results.iter().map(Vec::len).collect();
@@ -305,7 +307,11 @@ impl Planned {
         let scalars = arrays.len();
         let results = arrays.outputs.iter().sum();
         let graph = packing::balanced(optimize(arrays.graph));
-        let (kernels, fault) = context.kernels(&graph, packed, scalars);
+        let solves = function.function.row().has_solver && function.derivatives.is_empty();
+        let (kernels, fault) = match solves {
+            true => (context.step(scalars, true), None),
+            false => context.kernels(&graph, packed, scalars),
+        };
         let numbers = Argument { name: "arrays", kind: ArgumentKind::Numbers(scalars) };
         Self {
             function: None,

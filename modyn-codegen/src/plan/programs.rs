@@ -90,7 +90,7 @@ impl Planned {
                 let graph = packing::balanced(optimize(context.all_links.link_poses()));
                 Kernels::of(context.program(&graph, scalars))
             }
-            GraphSource::Step => context.step(scalars),
+            GraphSource::Step => context.step(scalars, false),
             GraphSource::Traced(_) | GraphSource::Evaluation => {
                 let rows = dense::of_constraints(function, context, scalars);
                 rows.unwrap_or_else(|| {
@@ -218,12 +218,25 @@ impl PlanContext<'_> {
         }
     }
 
-    /// Returns the programs of a step with soft constraints.
-    fn step(&self, scalars: usize) -> Kernels {
+    /// Returns the graph of a step whose accelerations are known: its derivatives are those of the
+    /// step.
+    pub(super) fn refined_step(&self) -> Graph {
+        let soft = Interpreter::<f64>::new(self.model.clone()).soft_model();
+        optimize(self.tracer.refined_step(&self.elimination, &soft))
+    }
+
+    /// Returns the programs of a step with soft constraints. With `plain`, quaternions are scaled
+    /// to length 1 first.
+    pub(super) fn step(&self, scalars: usize, plain: bool) -> Kernels {
         let soft = Interpreter::<f64>::new(self.model.clone()).soft_model();
         let traced = |tracer: &Tracer<'_>, elimination: &Elimination| {
             let step = tracer.step(elimination, &soft);
-            StepGraph { graph: optimize(step.graph), ..step }
+            let inputs = step.solution.inputs.end;
+            let graph = match plain {
+                true => self.tracer.with_unit_quaternions(&step.graph, &[0], inputs),
+                false => step.graph,
+            };
+            StepGraph { graph: optimize(graph), ..step }
         };
         let scalar = traced(&self.tracer, &self.elimination);
         let links = ModulePartition::new(self.tracer.model(), &ModuleTree::links(self.model));

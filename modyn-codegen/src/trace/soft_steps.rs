@@ -78,6 +78,31 @@ impl Tracer<'_> {
     }
 }
 
+impl Tracer<'_> {
+    /// Returns the results of a step whose accelerations are known, up to one step of Newton's
+    /// method: its derivatives are those of the step. Arguments: those of a step, with the
+    /// accelerations of its solution to start from.
+    #[must_use]
+    pub fn refined_step(&self, elimination: &Elimination, soft: &SoftModel<f64>) -> Graph {
+        let nq = self.model.nq;
+        let nv = self.model.nv;
+        let surfaces = ContactSurface::<Expr>::COUNT * soft.contacts.len();
+        let groups = [nq, nv, nv, 1, nv, StepSettings::<Expr>::COUNT + surfaces];
+        self.trace_groups(groups, |model, [q, qd, tau, dt, warm_start, settings]| {
+            let input = StepInput { q: &q, qd: &qd, tau: &tau, warm_start: &warm_start, dt: dt[0] };
+            let settings = settings_of(&settings);
+            let soft = soft.map(Expr::from_f64);
+            let model = &soft.mechanism(model);
+            let mut workspace = Workspace::new(model);
+            let problem = (&soft, &settings);
+            let motion =
+                StepProblem::new(model, elimination, input, problem, &mut workspace).refined();
+            let ends = [Expr::zero(), Expr::zero()];
+            [results(model, input, motion), ends.to_vec()].concat()
+        })
+    }
+}
+
 /// The parts of a step: the first accelerations, the full step, the search, the solution.
 struct Parts {
     rows: usize,
@@ -102,10 +127,17 @@ fn on_scalars(
     let mut workspace = Workspace::new(model);
     let problem = StepProblem::new(model, elimination, input, (&soft, &settings), &mut workspace);
     let rows = vec![vec![true]; problem.rows()];
-    parts(problem, &rows, first_input, |motion| {
-        let [next_q, next_qd] = moved(model, input, &motion.qdd);
-        [next_q, next_qd, motion.qdd, motion.forces.concat()].concat()
-    })
+    parts(problem, &rows, first_input, |motion| results(model, input, motion))
+}
+
+/// Returns the results of a step but the residual and the number of iterations.
+fn results(
+    model: &Mechanism<Expr>,
+    input: StepInput<'_, Expr>,
+    motion: SoftMotion<Expr>,
+) -> Vec<Expr> {
+    let [next_q, next_qd] = moved(model, input, &motion.damped);
+    [next_q, next_qd, motion.qdd, motion.forces.concat()].concat()
 }
 
 /// A robot with merged limbs.
@@ -157,7 +189,8 @@ impl PackedRobot<'_> {
         let rows: Vec<Vec<bool>> = packing.rows().chain(joints).collect();
         parts(problem, &rows, first_input, |motion| {
             let qdd = limbs.unpack_vector(&motion.qdd, nv);
-            let [next_q, next_qd] = moved(whole, given, &qdd);
+            let damped = limbs.unpack_vector(&motion.damped, nv);
+            let [next_q, next_qd] = moved(whole, given, &damped);
             let forces = packing.unpack(&motion.forces.concat(), 3);
             [next_q, next_qd, qdd, forces].concat()
         })

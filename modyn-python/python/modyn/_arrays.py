@@ -21,6 +21,8 @@ class Code:
 
     base: ArrayFunction | GroundStep | None = None
     """the function that a derivative is of"""
+    start: int | None = None
+    """the argument from which a solver starts; `None` for functions without a solver, and for their derivatives"""
 
     def __init__(self, name: str, code: tuple[int, list[list[int]], list[list[int]]]) -> None:
         key, inputs, outputs = code
@@ -31,6 +33,14 @@ class Code:
         """the shapes of the arguments for one state"""
         self.outputs: list[Shape] = [tuple(shape) for shape in outputs]
         """the shapes of the results for one state"""
+
+    def at_solution(self, arguments: Sequence[Any], results: Sequence[Any]) -> list[Any]:
+        """Returns the arguments at which derivatives are taken: a solver starts from the accelerations of its solution."""
+        arguments = list(arguments)
+        if self.start is not None:
+            # The results of a step start with `q`, `qd`, `qdd`.
+            arguments[self.start] = results[2]
+        return arguments
 
     def __eq__(self, other: object) -> bool:
         return type(other) is type(self) and isinstance(other, Code) and self.key == other.key
@@ -57,6 +67,10 @@ class ArrayFunction(Code):
     ) -> None:
         super().__init__(name, robot._array_code(name, link, list(derivatives), feedback, cost))
         self.robot, self.link, self.derivatives, self.extras = robot, link, derivatives, (feedback, cost)
+        names = [argument for argument, _, _ in robot._array_signature(name, link)[0]]
+        self._solves = "warm_start" in names
+        if self._solves and not derivatives:
+            self.start = names.index("warm_start")
         self._derived: dict[tuple[str, tuple[int, ...]], ArrayFunction] = {}
 
     def derivative(self, mode: str, variables: Sequence[int]) -> ArrayFunction:
@@ -65,7 +79,11 @@ class ArrayFunction(Code):
         `forward`: the changes of the results; the changes of the variables are further arguments. `reverse`: the gradients of
         the weighted results with respect to the variables; the weights are further arguments. `matrix`: for each result and each
         variable the array of derivatives.
+
+        Derivatives of a solver start from its solution, and do not depend on the argument from which the solver starts.
         """
+        if self._solves and self.derivatives:
+            raise NotImplementedError(f"`{self.name}` has first derivatives alone")
         at = (mode, tuple(variables))
         found = self._derived.get(at)
         if found is None:

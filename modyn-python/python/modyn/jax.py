@@ -198,11 +198,12 @@ def _lowered(context: Any, *operands: Any, code: Any) -> Any:
 
 def _jvp(primals: Any, tangents: Any, *, code: ArrayFunction) -> Any:
     values = _call.bind(*primals, code=code)
-    variables = [i for i, tangent in enumerate(tangents) if type(tangent) is not ad.Zero]
+    variables = [i for i, tangent in enumerate(tangents) if type(tangent) is not ad.Zero and i != code.start]
     if not variables:
         return values, [ad.Zero.from_primal_value(value) for value in values]
     changes = [tangents[i] for i in variables]
-    return values, _call.bind(*primals, *changes, code=code.derivative("forward", variables))
+    own = code.at_solution(primals, values)
+    return values, _call.bind(*own, *changes, code=code.derivative("forward", variables))
 
 
 def _transpose(cotangents: Any, *arrays: Any, code: ArrayFunction) -> Any:

@@ -215,13 +215,14 @@ class _Call(torch.autograd.Function):
     @staticmethod
     def setup_context(ctx: Any, inputs: Any, output: Any) -> None:
         ctx.code, *tensors = inputs
+        tensors = ctx.code.at_solution(tensors, output)
         ctx.save_for_backward(*tensors)
         ctx.save_for_forward(*tensors)
 
     @staticmethod
     def backward(ctx: Any, *weights: torch.Tensor) -> Any:
         tensors = ctx.saved_tensors
-        variables = [k for k in range(len(tensors)) if ctx.needs_input_grad[k + 1]]
+        variables = [k for k in range(len(tensors)) if ctx.needs_input_grad[k + 1] and k != ctx.code.start]
         found = _Call.apply(ctx.code.derivative("reverse", variables), *tensors, *weights)
         gradients: list[Any] = [None] * len(tensors)
         for k, gradient in zip(variables, found):
@@ -231,7 +232,7 @@ class _Call(torch.autograd.Function):
     @staticmethod
     def jvp(ctx: Any, _: Any, *changes: Any) -> Any:
         tensors = ctx.saved_tensors
-        variables = [k for k, change in enumerate(changes) if change is not None]
+        variables = [k for k, change in enumerate(changes) if change is not None and k != ctx.code.start]
         changes = [changes[k] for k in variables]  # type: ignore[assignment]
         return _Call.apply(ctx.code.derivative("forward", variables), *tensors, *changes)
 
@@ -250,6 +251,10 @@ def _resolved(number: int, reverse: bool) -> Any:
 
 @torch.library.custom_op("modyn::call", mutates_args=(), device_types="cpu")
 def _operator(function: int, reverse: bool, tensors: list[torch.Tensor]) -> list[torch.Tensor]:
+    code = _codes[function]
+    if reverse and code.start is not None:
+        count = len(code.inputs)
+        tensors = [*code.at_solution(tensors[:count], _computed(code, tensors[:count])), *tensors[count:]]
     return _computed(_resolved(function, reverse), tensors)
 
 

@@ -39,10 +39,20 @@ pub fn of<'py>(robot: &Robot, py: Python<'py>, function: Function) -> PyResult<B
             }
             (ArgumentKind::Settings, FloatType::F64) => array(py, default_settings::<f64>(length)),
             (ArgumentKind::Settings, FloatType::F32) => array(py, default_settings::<f32>(length)),
+            (_, FloatType::F64) if argument.name == "warm_start" => {
+                array(py, vec![0.0_f64; length])
+            }
+            (_, FloatType::F32) if argument.name == "warm_start" => {
+                array(py, vec![0.0_f32; length])
+            }
             _ => py.None().into_bound(py),
         };
-        // `from` is a keyword of Python.
-        let name = if argument.name == "from" { "from_" } else { argument.name };
+        let name = match argument.name {
+            // A keyword of Python.
+            "from" => "from_",
+            "step_settings" => "settings",
+            name => name,
+        };
         arguments.append((name, shape, default))?;
     }
     let parameters = match row.depends_on_parameters {

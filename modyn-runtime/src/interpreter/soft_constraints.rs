@@ -70,7 +70,7 @@ impl<S: Scalar> Interpreter<S> {
         let mechanism = &soft.mechanism(mechanism);
         let problem = StepProblem::new(mechanism, elimination, input, (&soft, settings), workspace);
         let SoftStep { motion, residual, iterations } = soft_step(problem);
-        let [q, qd] = moved(mechanism, input, &motion.qdd);
+        let [q, qd] = moved(mechanism, input, &motion.damped);
         self.soft = Some(soft);
         outputs.q.copy_from_slice(&q);
         outputs.qd.copy_from_slice(&qd);

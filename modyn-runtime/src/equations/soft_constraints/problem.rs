@@ -22,8 +22,11 @@ use crate::{ContactSurface, Scalar, StepSettings};
 /// The accelerations in a step, and the forces.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SoftMotion<S> {
-    /// The accelerations.
+    /// The accelerations by the laws.
     pub qdd: Vec<S>,
+    /// The accelerations that move the state: the damping of joints acts with the velocities after
+    /// the step.
+    pub damped: Vec<S>,
     /// The force of each contact along the x and y axes of its plane, then along the normal, N.
     pub forces: Vec<[S; 3]>,
 }
@@ -233,12 +236,29 @@ impl<'a, S: Scalar, T: BodyTree<S>> StepProblem<'a, S, T> {
         Iterate { accelerations, balances }
     }
 
+    /// Returns the accelerations and the forces after one full step of Newton's method from
+    /// `input.warm_start`. If these are the accelerations of the solution, the derivatives of the
+    /// result, with these accelerations held constant, are those of the solution (the implicit
+    /// function theorem): the derivatives of Newton's matrix meet a gradient that is zero.
+    pub fn refined(&mut self) -> SoftMotion<S> {
+        let start = self.first();
+        let laws = self.laws(&start, S::one());
+        let end = self.full_step(&start, &laws);
+        self.motion(&end)
+    }
+
     /// Returns the accelerations and the forces in the step, given the iterate at which the last full step
     /// ended.
     pub fn motion(&mut self, end: &Iterate<S>) -> SoftMotion<S> {
         let laws = self.laws(end, S::one());
+        let qdd = self.rates();
+        if self.tree.mechanism().dofs.iter().any(|dof| dof.damping.is_some()) {
+            let forces: Vec<S> = laws.forces().collect();
+            self.accelerate(&forces, Effect::Forces);
+        }
         SoftMotion {
-            qdd: self.with_implicit_damping(&laws),
+            qdd,
+            damped: self.rates(),
             forces: (self.contacts.iter().zip(&laws.contacts))
                 .map(|(contact, response)| contact.in_plane(&response.force))
                 .collect(),
@@ -310,12 +330,8 @@ impl<'a, S: Scalar, T: BodyTree<S>> StepProblem<'a, S, T> {
         workspace.added_armature.fill(None);
     }
 
-    /// Returns the accelerations under the forces of the laws, with the damping of the joints at the velocities after the step.
-    fn with_implicit_damping(&mut self, laws: &Laws<S>) -> Vec<S> {
-        if self.tree.mechanism().dofs.iter().any(|dof| dof.damping.is_some()) {
-            let forces: Vec<S> = laws.forces().collect();
-            self.accelerate(&forces, Effect::Forces);
-        }
+    /// Returns the accelerations of the joints.
+    fn rates(&self) -> Vec<S> {
         self.accelerations.iter().zip(&self.fall).map(|(&rate, &fall)| rate + fall).collect()
     }
 
