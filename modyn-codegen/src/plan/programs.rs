@@ -218,7 +218,7 @@ impl PlanContext<'_> {
         }
     }
 
-    /// Returns the graph of a step whose accelerations are known: its derivatives are those of the
+    /// Returns the graph of a step whose accelerations are known: it has the derivatives of the
     /// step.
     pub(super) fn refined_step(&self) -> Graph {
         let soft = Interpreter::<f64>::new(self.model.clone()).soft_model();

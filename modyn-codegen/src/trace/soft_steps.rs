@@ -80,8 +80,8 @@ impl Tracer<'_> {
 
 impl Tracer<'_> {
     /// Returns the results of a step whose accelerations are known, up to one step of Newton's
-    /// method: its derivatives are those of the step. Arguments: those of a step, with the
-    /// accelerations of its solution to start from.
+    /// method: its derivatives are the derivatives of the step. Arguments: the arguments of a step,
+    /// with the accelerations of its solution to start from.
     #[must_use]
     pub fn refined_step(&self, elimination: &Elimination, soft: &SoftModel<f64>) -> Graph {
         let nq = self.model.nq;

@@ -121,8 +121,7 @@ impl GpuRollout {
         let qd = qd?;
         let controls = self.controls(py, controls)?;
         let uploaded = |settings| {
-            let check =
-                if step == Function::Step { Check::StepSettings } else { Check::Settings };
+            let check = if step == Function::Step { Check::StepSettings } else { Check::Settings };
             let rollout = source.rollouts.iter().find(|rollout| rollout.step == step.name());
             let shape = &[rollout.map_or(0, |rollout| rollout.settings)];
             let read = Argument::read("run", "settings", Some(check), shape, settings)?;

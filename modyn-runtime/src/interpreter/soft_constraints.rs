@@ -10,7 +10,6 @@ use crate::equations::soft_constraints::{
 };
 use crate::mechanism::Mechanism;
 use crate::model::{Friction, Softness};
-use crate::quantities::Sizes;
 use crate::spatial::{Twist, Vector3};
 use crate::{ContactSurface, Scalar, StepSettings};
 
@@ -53,16 +52,17 @@ impl<S: Scalar> Interpreter<S> {
         settings: &StepSettings<S, impl AsRef<[ContactSurface<S>]>>,
         outputs: StepSolutionOutputs<'_, S>,
     ) -> Result<(), ShapeError> {
-        let sizes = Sizes::new(&self.model, 0);
+        let shapes = self.model.touching_shapes();
+        let points: usize = shapes.iter().map(|shape| shape.shape.points()).sum();
         check("q", input.q, self.model.nq())?;
         check("qd", input.qd, self.model.nv())?;
         check("tau", input.tau, self.model.nv())?;
         check("warm_start", input.warm_start, self.model.nv())?;
-        check("step_settings.contacts", settings.contacts.as_ref(), sizes.touching_shapes)?;
+        check("step_settings.contacts", settings.contacts.as_ref(), shapes.len())?;
         check("outputs.q", outputs.q, self.model.nq())?;
         check("outputs.qd", outputs.qd, self.model.nv())?;
         check("outputs.qdd", outputs.qdd, self.model.nv())?;
-        check("outputs.forces", outputs.forces, 3 * sizes.touching_points)?;
+        check("outputs.forces", outputs.forces, 3 * points)?;
         let soft = self.soft.take().unwrap_or_else(|| {
             Interpreter::<f64>::new(self.model.clone()).soft_model().map(S::from_f64)
         });

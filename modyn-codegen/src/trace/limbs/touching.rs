@@ -99,7 +99,7 @@ impl TouchingPacking<'_> {
         })
     }
 
-    /// Returns the parameters of the merged shapes. A limb without the shape has that of another.
+    /// Returns the parameters of the merged shapes. A limb without the shape has the one of another.
     pub(in crate::trace) fn parameters(&self) -> Vec<ContactParameters<Expr>> {
         let merged = self.merged.iter();
         merged.map(|merged| self.parameters_of(merged)).collect()
@@ -136,12 +136,12 @@ impl TouchingPacking<'_> {
         }
     }
 
-    /// Returns the numbers of the surfaces of the merged shapes, from those of the robot's. A limb
-    /// without the shape has a surface that is out of reach.
+    /// Returns the numbers of the surfaces of the merged shapes, from the surfaces of the robot. A
+    /// limb without the shape has a surface that is out of reach.
     pub(in crate::trace) fn surfaces(&self, numbers: &[Expr]) -> Vec<Expr> {
         const COUNT: usize = ContactSurface::<f64>::COUNT;
-        let out_of_reach = ContactSurface { margin: -1e10, ..ContactSurface::<f64>::GROUND };
-        let out_of_reach = out_of_reach.numbers().map(constant);
+        let surface = ContactSurface { margin: -1e10, ..ContactSurface::<f64>::GROUND };
+        let out_of_reach = surface.numbers().map(constant);
         let number = |lane: &Option<usize>, k: usize| {
             lane.map_or(out_of_reach[k], |shape| numbers[shape * COUNT + k])
         };
@@ -152,8 +152,8 @@ impl TouchingPacking<'_> {
         numbers.collect()
     }
 
-    /// Returns the numbers of the robot's points, `count` numbers each, from those of the merged
-    /// shapes.
+    /// Returns the numbers of the robot's points, `count` numbers each, from the numbers of the
+    /// merged shapes.
     pub(in crate::trace) fn unpack(&self, packs: &[Expr], count: usize) -> Vec<Expr> {
         let mut starts = vec![0];
         for shape in &self.soft.contacts {

@@ -47,7 +47,7 @@ pub struct Settings<'e> {
     pub overriding: Option<ContactOverride>,
 }
 
-/// The parameters that replace those of all contacts, in the order of their attributes.
+/// The parameters that all contacts have instead of their own, in the order of their attributes.
 #[derive(Clone, Copy)]
 pub struct ContactOverride {
     pub friction: [f64; 5],

@@ -145,9 +145,10 @@ impl<'e> Bodies<'e, '_, '_> {
         &mut self,
         geom: &Geom<'e>,
         names: &mut Names,
-        (components, contact): (ContactComponents, Contact),
+        law: (ContactComponents, Contact),
         plane: Pose<f64>,
     ) -> Option<TouchingShape> {
+        let (components, mixed) = law;
         let item = &geom.item;
         let at = item.element().at;
         let model = &self.models[item.model];
@@ -161,7 +162,7 @@ impl<'e> Bodies<'e, '_, '_> {
                 return None;
             }
         };
-        let contact = self.models[0].settings.overriding.map_or(contact, Contact::from);
+        let contact = self.models[0].settings.overriding.map_or(mixed, Contact::from);
         let name = item.name().unwrap_or_else(|| format!("{}_geom", geom.body));
         Some(TouchingShape {
             name: names.unique(&name),
@@ -286,11 +287,11 @@ impl Pair {
         is(first, a) && is(second, b) || is(first, b) && is(second, a)
     }
 
-    /// Returns the law of the pair: what it does not say is that of its geoms.
+    /// Returns the law of the pair: what it does not say follows from its geoms.
     fn law(&self, [a, b]: [&Law; 2]) -> (ContactComponents, Contact) {
         let (components, mixed) = a.mixed(b);
         let most = a.contact.margin.max(b.contact.margin);
-        // The five coefficients are those of both tangents, of spin, and of both rolls.
+        // The five coefficients: both tangents, spin, both rolls.
         let friction = self.friction.as_ref().map_or(mixed.friction, |given| {
             let given = |k: usize, default: f64| given.get(k).copied().unwrap_or(default);
             let [sliding, spin, roll] = mixed.friction;
@@ -428,14 +429,13 @@ fn power(exponent: f64, at: usize, report: &mut Report<'_>) -> u32 {
     exponent.round().clamp(1.0, 100.0) as u32
 }
 
-/// Returns the pose of a plane whose axes are those of `MuJoCo`'s contacts with it: the x axis is
+/// Returns the pose of a plane with the axes of `MuJoCo`'s contacts with it: the x axis is
 /// the first tangent.
 fn plane(ground: &Pose<f64>) -> Pose<f64> {
     let normal = Matrix3(ground.rotation).column(2);
-    let near = if normal.0[1].abs() < 0.5 { [0.0, 1.0, 0.0] } else { [0.0, 0.0, 1.0] };
-    let near = Vector3(near);
-    let tangent = near - normal.scale(normal.dot(near));
-    let tangent = tangent.scale(1.0 / libm::sqrt(tangent.dot(tangent)));
+    let near = Vector3(if normal.0[1].abs() < 0.5 { [0.0, 1.0, 0.0] } else { [0.0, 0.0, 1.0] });
+    let in_plane = near - normal.scale(normal.dot(near));
+    let tangent = in_plane.scale(1.0 / libm::sqrt(in_plane.dot(in_plane)));
     let axes = [tangent, normal.cross(tangent), normal];
     Pose { rotation: Matrix3::from_columns(|k| axes[k]).0, translation: ground.translation }
 }
@@ -446,7 +446,7 @@ fn filled<const N: usize>(given: Option<&[f64]>, defaults: [f64; N]) -> [f64; N]
     core::array::from_fn(|k| given.get(k).copied().unwrap_or(defaults[k]))
 }
 
-/// Returns the parameters by which a model replaces those of all contacts.
+/// Returns the parameters of all contacts that a model sets in its options.
 pub fn overriding(settings: &dyn Fn(&str) -> Option<Vec<f64>>) -> ContactOverride {
     ContactOverride {
         friction: filled(settings("o_friction").as_deref(), [1.0, 1.0, 0.005, 0.0001, 0.0001]),

@@ -238,8 +238,8 @@ impl<'a, S: Scalar, T: BodyTree<S>> StepProblem<'a, S, T> {
 
     /// Returns the accelerations and the forces after one full step of Newton's method from
     /// `input.warm_start`. If these are the accelerations of the solution, the derivatives of the
-    /// result, with these accelerations held constant, are those of the solution (the implicit
-    /// function theorem): the derivatives of Newton's matrix meet a gradient that is zero.
+    /// result, with these accelerations held constant, are the derivatives of the solution (the
+    /// implicit function theorem): the derivatives of Newton's matrix meet a gradient that is zero.
     pub fn refined(&mut self) -> SoftMotion<S> {
         let start = self.first();
         let laws = self.laws(&start, S::one());

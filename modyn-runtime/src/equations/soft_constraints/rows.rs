@@ -208,7 +208,7 @@ impl<S: Scalar> ContactRows<S> {
         self.law.reference.len()
     }
 
-    /// Returns the accelerations of the rows, given that of the body.
+    /// Returns the accelerations of the rows, given the acceleration of the body.
     pub(super) fn acceleration(&self, of_body: &Twist<S>) -> impl Iterator<Item = S> {
         let at_place = of_body.linear + of_body.angular.cross(self.place);
         let components = |v: Vector3<S>| [0, 1, 2].map(|k| self.axes.column(k).dot(v));
@@ -266,7 +266,7 @@ struct Point<S> {
     point: Vector3<S>,
     /// The normal of the plane and its x and y axes, in the body's axes.
     axes: Matrix3<S>,
-    /// The direction of the first tangent; `None`: that of the plane's x axis.
+    /// The direction of the first tangent; `None`: the plane's x axis.
     tangent: Option<Vector3<S>>,
 }
 

@@ -1,4 +1,4 @@
-//! The points of shapes that can touch a plane: those of MuJoCo's contacts of shapes with planes.
+//! The points of shapes that can touch a plane, as in MuJoCo's contacts of shapes with planes.
 
 use alloc::{vec, vec::Vec};
 
