@@ -23,6 +23,7 @@ ROOT = Path(__file__).resolve().parent.parent.parent
 NVIDIA = Path(list(nvidia.__path__)[0])
 ARCHITECTURES = ["80", "90"]
 SCALARS = ["f32", "f64"]
+FOUR_FEET = [f"{end}{side}: point({end}_{side}_foot)" for end in ("front", "hind") for side in ("left", "right")]
 # The name in the table, the description, further options, the kernel, and the name of the kernel in the table.
 ROBOTS = [
     ("Panda", "tests/golden/panda.urdf", ["--functions", "forward_dynamics"], "forward_dynamics"),
@@ -44,6 +45,12 @@ ROBOTS = [
         "tests/golden/solo12.urdf",
         ["--base", "floating", "--functions", "step_semi_implicit", "--rollout"],
         "rollout_semi_implicit",
+    ),
+    (
+        "quadruped on four feet",
+        "robots/quadruped.urdf",
+        ["--base", "floating", *[word for foot in FOUR_FEET for word in ("--contacts", foot)], "--functions", "step"],
+        "step",
     ),
     ("G1", "tests/golden/g1.urdf", ["--functions", "forward_dynamics"], "forward_dynamics"),
     (
