@@ -2,11 +2,14 @@
 
 use modyn_codegen::plan::partition::{ChosenPartition, choose};
 use modyn_codegen::trace::Tracer;
+use modyn_codegen::{Base, ReadOptions, read};
 use modyn_codegen::{Builder, FloatType, condition_number, diagnostics::Code};
-use modyn_codegen::{ReadOptions, read};
 use modyn_runtime::equations::kinematics::coordinates;
 use modyn_runtime::mechanism::Mechanism;
-use modyn_runtime::model::Model;
+use modyn_runtime::model::{Contact, ContactKind, LoopConstraintEnd, Model};
+use modyn_runtime::quantities::Function;
+use modyn_runtime::spatial::Pose;
+use modyn_runtime::{ContactSurface, Interpreter, Scalar, StepSettings};
 
 fn text(name: &str) -> String {
     let path = format!("{}/../robots/{name}.urdf", env!("CARGO_MANIFEST_DIR"));
@@ -136,5 +139,88 @@ fn a_robot_that_single_precision_does_not_carry_is_warned_of() {
         let model = reading.expect("good").model;
         let (found, condition) = (error(&model), condition_number(&model).expect("small"));
         assert!(found < (1e-6 * condition).min(1e-4), "{offset} {condition:e} {found:e}");
+    }
+}
+
+/// Returns the result of a step, whose arguments are q, qd, tau, dt, the accelerations to start from and the
+/// settings.
+fn step<S: Scalar>(robot: &mut Interpreter<S>, given: &[Vec<f64>]) -> Vec<f64>
+where
+    f64: From<S>,
+{
+    let given: Vec<Vec<S>> =
+        given.iter().map(|numbers| numbers.iter().map(|&x| S::from_f64(x)).collect()).collect();
+    let given: Vec<&[S]> = given.iter().map(Vec::as_slice).collect();
+    let length = (Function::Step.row().result)(&robot.sizes()).len();
+    let mut result = vec![S::zero(); length];
+    robot.evaluate(Function::Step, &given, 0, &mut result).expect("lengths");
+    result.into_iter().map(f64::from).collect()
+}
+
+/// The solver of a step reaches the default tolerance of `f32`, and 1e-3 under stiff laws, before it starts again with soft laws: a
+/// quadruped falls on four feet.
+#[test]
+fn steps_reach_the_default_tolerance() {
+    let options = ReadOptions { base: Base::Floating, ..ReadOptions::default() };
+    let model = read(&text("quadruped"), "quadruped", &options).expect("good").model;
+    let foot = |link: &str| {
+        let frame = model.frame_index(link).expect("a foot");
+        let end = LoopConstraintEnd { frame, pose: Pose::identity() };
+        Contact { name: link.into(), kind: ContactKind::Point, end }
+    };
+    let feet = ["front_left_foot", "front_right_foot", "hind_left_foot", "hind_right_foot"];
+    let model = model.clone().with_contacts(feet.map(foot).into()).expect("links that move");
+    let [nq, nv] = [model.nq(), model.nv()];
+    let mut single = Interpreter::<f32>::new(model.clone());
+    let mut double = Interpreter::<f64>::new(model.clone());
+    let default = f64::from(StepSettings::<f32, [ContactSurface<f32>; 0]>::DEFAULT.tolerance);
+    let mut number = 0.3_f64;
+    let mut uniform = || {
+        number = (number + 0.618_033_988_749_894_9).fract();
+        number
+    };
+    let normal = ContactSurface::<f64>::GROUND;
+    let stiff = ContactSurface { solimp: [0.999, 0.9999, 0.001, 0.5], ..normal };
+    for (surface, tolerance, most, error) in
+        [(normal, default, 6.0, 1e-4), (stiff, 1e-3, 12.0, 2e-2)]
+    {
+        let surfaces = [surface; 4].into_iter().flat_map(|surface| surface.numbers());
+        let settings: Vec<f64> = [tolerance, 1.0].into_iter().chain(surfaces).collect();
+        let mut touching = 0;
+        for _ in 0..8 {
+            let mut q = vec![0.0; nq];
+            double.neutral(&mut q).expect("lengths");
+            q[2] = 0.3 + 0.2 * uniform();
+            q[7..].iter_mut().for_each(|x| *x += 0.6 * uniform() - 0.3);
+            let mut qd: Vec<f64> = (0..nv).map(|_| 4.0 * uniform() - 2.0).collect();
+            let mut warm_start = vec![0.0; nv];
+            for _ in 0..100 {
+                let joint = |k: usize| if k < 6 { 0.0 } else { -5.0 * q[k + 1] - 0.05 * qd[k] };
+                let tau = (0..nv).map(joint).collect();
+                let given = [q.clone(), qd.clone(), tau, vec![0.002], warm_start, settings.clone()];
+                // Both precisions have the same inputs.
+                let given =
+                    given.map(|numbers| numbers.iter().map(|&x| f64::from(x as f32)).collect());
+                let found = step(&mut single, &given);
+                let (forces, ends) = found[nq + 2 * nv..].split_at(12);
+                let [residual, iterations] = [ends[0], ends[1]];
+                assert!(residual <= tolerance && iterations <= most, "{iterations}: {residual:e}");
+                if forces.iter().any(|force| *force != 0.0) {
+                    touching += 1;
+                    let expected = step(&mut double, &given);
+                    let velocities = nq..nq + nv;
+                    let largest = expected[velocities.clone()]
+                        .iter()
+                        .fold(1.0, |most: f64, x| most.max(x.abs()));
+                    for (a, b) in found[velocities.clone()].iter().zip(&expected[velocities]) {
+                        assert!((a - b).abs() <= error * largest, "{a} {b} {residual:e}");
+                    }
+                }
+                q = found[..nq].to_vec();
+                qd = found[nq..nq + nv].to_vec();
+                warm_start = found[nq + nv..nq + 2 * nv].to_vec();
+            }
+        }
+        assert!(touching > 200, "{touching}");
     }
 }
