@@ -7,6 +7,7 @@ use modyn_runtime::conventions::{quaternion_from_rotation, rotation_from_quatern
 use modyn_runtime::model::Inertial;
 use modyn_runtime::spatial::Pose;
 
+use super::contact_law::{self, Place};
 use super::element::{Element, MAX_DEPTH};
 use super::geoms;
 use super::inertia;
@@ -15,7 +16,6 @@ use super::joints::{self, is_free};
 use super::mesh::Meshes;
 use super::models::{Model, Source};
 use super::pose::euler;
-use super::touching::{self, Place};
 use crate::description::{
     Description, InertialRecord, JointRecord, Kind, LinkRecord, Located, ReadOptions, TakenNames,
 };
@@ -51,7 +51,7 @@ pub struct Bodies<'e, 'r, 'f> {
     /// attached.
     pub attached: Vec<(usize, Rc<Naming>)>,
     /// The geoms that can touch others.
-    pub geoms: Vec<touching::Geom<'e>>,
+    pub geoms: Vec<contact_law::Geom<'e>>,
     /// Whether pairs of geoms are named, which touch each other in any case.
     pub has_pairs: bool,
     /// The models in which the present element is.
@@ -394,7 +394,7 @@ impl<'e, 'r, 'f> Bodies<'e, 'r, 'f> {
             let link = if last { name.clone() } else { format!("{name}_behind_{joint_name}") };
             let child = self.link(link, place, self.carriers.len());
             self.description.links[child].auxiliary = !last;
-            if let Some(softness) = touching::joint_softness(joint, self.report) {
+            if let Some(softness) = contact_law::joint_softness(joint, self.report) {
                 self.description.softnesses.push((self.description.joints.len(), softness));
             }
             if let Some(numbers) = joints::spring_damper(joint) {

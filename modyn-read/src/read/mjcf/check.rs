@@ -160,3 +160,9 @@ pub fn list(text: &str) -> Option<Vec<f64>> {
     let number = |word: &str| word.parse().ok().filter(|number: &f64| number.abs() < MAX_NUMBER);
     text.split_ascii_whitespace().map(number).collect()
 }
+
+/// Returns the given numbers, and defaults for missing ones.
+pub fn filled<const N: usize>(given: Option<&[f64]>, defaults: [f64; N]) -> [f64; N] {
+    let given = given.unwrap_or_default();
+    core::array::from_fn(|k| given.get(k).copied().unwrap_or(defaults[k]))
+}

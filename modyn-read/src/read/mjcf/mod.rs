@@ -11,6 +11,7 @@ mod actuators;
 mod bodies;
 mod check;
 mod classes;
+mod contact_law;
 mod element;
 mod equality;
 mod forces;

@@ -2,9 +2,8 @@
 
 use modyn_runtime::model::Cone;
 
-use super::check::{list, numbers};
+use super::check::{filled, list, numbers};
 use super::element::Element;
-use super::touching;
 use crate::diagnostics::{Code, Report};
 
 /// The settings of a model; the last of repeated attributes counts.
@@ -54,6 +53,24 @@ pub struct ContactOverride {
     pub margin: f64,
     pub reference: [f64; 2],
     pub impedance: [f64; 5],
+}
+
+/// `MuJoCo`'s default of `solref`.
+pub const REFERENCE: [f64; 2] = [0.02, 1.0];
+
+/// `MuJoCo`'s default of `solimp`.
+pub const IMPEDANCE: [f64; 5] = [0.9, 0.95, 0.001, 0.5, 2.0];
+
+impl ContactOverride {
+    /// Returns the parameters that are in the options `o_friction` and so on.
+    fn read(option: impl Fn(&str) -> Option<Vec<f64>>) -> Self {
+        Self {
+            friction: filled(option("o_friction").as_deref(), [1.0, 1.0, 0.005, 0.0001, 0.0001]),
+            margin: filled(option("o_margin").as_deref(), [0.0])[0],
+            reference: filled(option("o_solref").as_deref(), REFERENCE),
+            impedance: filled(option("o_solimp").as_deref(), IMPEDANCE),
+        }
+    }
 }
 
 /// The switches of `<flag>`.
@@ -156,7 +173,7 @@ impl<'e> Settings<'e> {
             contacts: !disabled("contact") && !disabled("constraint"),
             limits: !disabled("limit") && !disabled("constraint"),
             overriding: (switch("override") == Some("enable"))
-                .then(|| touching::overriding(&option_numbers)),
+                .then(|| ContactOverride::read(option_numbers)),
         }
     }
 }
