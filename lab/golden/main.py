@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy
 import pinocchio
 
+import actuators
 import contacts
 import displacements
 import floors
@@ -182,6 +183,7 @@ def files():
         yield f"{name}.json", lambda name=name: text(standing(name))
     yield "ground.json", lambda: text(ground.cases(ROOT))
     yield "floors.json", lambda: json.dumps(floors.make(ROOT)) + "\n"
+    yield "actuators.json", lambda: json.dumps(actuators.make(ROOT)) + "\n"
     yield "soft_steps.json", lambda: json.dumps(soft_steps.make(ROOT)) + "\n"
 
 

@@ -4,6 +4,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use modyn_codegen::plan::Sizes;
 use modyn_codegen::{Builder, Function};
 
 /// Returns the functions of the robot's type by name, with their number of arguments: the hidden ones or the others.
@@ -64,21 +65,22 @@ fn missing_functions_have_the_arguments_of_those_that_are_there() {
                 let found = missing.get(name).or_else(|| always.get(name));
                 assert_eq!(found, Some(arguments), "{robot}: {name}");
             }
-            // A tree has no constraints, so functions of constraints are never selected.
-            let of_constraints = |name: &String| {
+            // A tree has no constraints and no actuators, so their functions are never selected.
+            let is_special = |name: &String| {
                 let one = ["_with", "_batch", "_each"]
                     .iter()
                     .fold(&**name, |name, end| name.strip_suffix(end).unwrap_or(name));
-                Function::from_name(one).is_some_and(|one| one.row().of_constraints)
+                Function::from_name(one).is_some_and(|one| !one.row().is_general())
             };
             let rest = missing.keys().filter(|name| !there.contains_key(*name));
-            assert!(rest.clone().all(of_constraints), "{:?}", rest.collect::<Vec<_>>());
+            assert!(rest.clone().all(is_special), "{:?}", rest.collect::<Vec<_>>());
             // A generated function is not also a missing one, and the traits are those of the generated functions.
             let hidden = functions(&all, true);
             assert!(hidden.keys().all(|name| !there.contains_key(name)), "{hidden:?}");
             for function in Function::ALL {
                 let line = format!("impl __modyn::functions::{function:?} for Robot {{}}");
-                let has = function.fits(usize::from(robot == "four_bar"));
+                let constraints = usize::from(robot == "four_bar");
+                let has = function.fits(&Sizes { constraints, ..Sizes::default() });
                 assert_eq!(
                     (all.contains(&line), none.contains(&line)),
                     (has, false),

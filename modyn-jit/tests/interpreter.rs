@@ -46,7 +46,7 @@ fn close(name: &str, found: &[f64], expected: &[f64]) {
 /// All functions of one state of a tree.
 fn functions() -> Vec<Function> {
     let all = Function::ALL.iter().copied();
-    all.filter(|f| f.batched().is_none() && !f.row().of_constraints).collect()
+    all.filter(|f| f.batched().is_none() && f.row().is_general()).collect()
 }
 
 fn agrees(model: &Model, seed: u64, functions: &[Function]) {

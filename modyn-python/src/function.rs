@@ -214,6 +214,9 @@ impl<S: Number> Typed<S> {
             (_, None) if *name == "warm_start" => {
                 Ok(Given::owned(name, vec![S::zero(); shape.iter().product()]))
             }
+            (ArgumentKind::Activations, None) if shape.iter().product::<usize>() == 0 => {
+                Ok(Given::owned(name, Vec::new()))
+            }
             (_, None) => {
                 Err(PyTypeError::new_err(format!("`{}` needs the argument `{name}`", self.name)))
             }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::sync::{Mutex, OnceLock, PoisonError};
 
 use modyn_codegen::diagnostics::{Code, suggest};
-use modyn_codegen::plan::EntryFunction;
+use modyn_codegen::plan::{EntryFunction, Sizes};
 use modyn_codegen::trace::Parameters;
 use modyn_codegen::{
     Builder, Bundle, FloatType, Function, ReadOptions, Shapes, joints_without_inertia,
@@ -14,7 +14,7 @@ use modyn_runtime::equations::identification::{BaseParameter, BaseParameters};
 use modyn_runtime::model::{Link, Model, ModuleTree};
 use modyn_runtime::{ContactSurface, Inertial, Interpreter};
 use numpy::prelude::*;
-use numpy::{PyArray1, PyArrayDescr};
+use numpy::{PyArray1, PyArray2, PyArrayDescr};
 use pyo3::exceptions::{PyAttributeError, PyKeyError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString, PyTuple};
@@ -204,7 +204,7 @@ impl Robot {
     ///
     /// `ValueError`, which names the robots that have it, or a joint that moves no inertia.
     pub fn check_has(&self, function: Function) -> PyResult<()> {
-        if function.fits(self.model.constraints()) {
+        if function.fits(&Sizes::new(&self.model, 0)) {
             let joint = self.without_inertia.as_ref().filter(|_| function.row().needs_inertia);
             let message = |joint| {
                 format!(
@@ -217,7 +217,10 @@ impl Robot {
             };
             return joint.map_or(Ok(()), |joint| Err(PyValueError::new_err(message(joint))));
         }
-        let robots = "robots with closed loops or contacts (the options `loops` and `contacts`)";
+        let robots = match function.row().of_actuators {
+            true => "robots with actuators (the `<actuator>` of an MJCF)",
+            false => "robots with closed loops or contacts (the options `loops` and `contacts`)",
+        };
         let message = format!("only {robots} have the function `{}`", function.name());
         Err(PyValueError::new_err(message))
     }
@@ -518,6 +521,28 @@ impl Robot {
     #[getter]
     fn contact_names(&self) -> Vec<&str> {
         self.model.contacts().iter().map(|contact| contact.name.as_str()).collect()
+    }
+
+    /// The names of the controls of `actuate`: of the actuators.
+    #[getter]
+    fn control_names(&self) -> Vec<&str> {
+        self.model.control_names()
+    }
+
+    /// The names of the activations of `actuate`: of the actuators that have a state.
+    #[getter]
+    fn activation_names(&self) -> Vec<&str> {
+        self.model.activation_names()
+    }
+
+    /// The ranges of the controls, (controls, 2); -inf and inf for a control without a range.
+    #[getter]
+    fn control_ranges<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let actuators = self.model.actuation().actuators.iter();
+        let unlimited = [f64::NEG_INFINITY, f64::INFINITY];
+        let ranges: Vec<f64> =
+            actuators.flat_map(|actuator| actuator.control_range.unwrap_or(unlimited)).collect();
+        PyArray1::from_vec(py, ranges).reshape([self.model.actuation().actuators.len(), 2])
     }
 
     /// The names of the shapes that touch the ground in a `step`: the contacts if there are any,

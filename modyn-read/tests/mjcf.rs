@@ -452,9 +452,12 @@ fn ranges_of_joint_forces_are_effort_limits() {
     assert_eq!(efforts(&reading.model), joints.map(|(_, effort)| effort));
     let first = &reading.model.links()[0].joint;
     assert_eq!(first.joint_type, JointType::Continuous);
-    let found: Vec<_> =
-        reading.warnings.iter().map(|one| (one.code, one.position.map(|at| at.line))).collect();
-    assert_eq!(found, [(Code::NotRead, Some(11))], "{:?}", reading.warnings);
+    assert!(reading.warnings.is_empty(), "{:?}", reading.warnings);
+    let ranges = &reading.model.actuation().joint_force_ranges;
+    let bounds: Vec<_> = ranges.iter().map(|joint| (joint.link, joint.range)).collect();
+    let expected =
+        [(0, 3.0, 3.0), (1, 1.0, 1.0), (2, 5.0, 5.0), (3, 9.0, 9.0), (4, 7.0, 7.0), (7, 3.0, 4.0)];
+    assert_eq!(bounds, expected.map(|(link, low, high): (_, f64, _)| (link, [-low, high])));
     let not_automatic = read(&text("<compiler autolimits=\"false\"/>")).expect("an MJCF");
     assert!(efforts(&not_automatic).iter().all(Option::is_none));
 }
@@ -469,8 +472,8 @@ fn servo_actuators_are_named_and_sites_are_frames() {
         <site name="tip" pos="0 0 1"/><site/><frame pos="0 1 0"><site name="heel"/></frame></body></worldbody>
       <actuator>
         <motor joint="j" forcerange="-1 1"/>
-        <position joint="j" kp="high"/>
-        <general joint="j" biastype="affine"/></actuator>
+        <pid joint="j"/>
+        <general joint="j" biastype="muscle"/></actuator>
       <sensor><jointpos joint="j"/></sensor><keyframe>
       <key qpos="1"/><key/></keyframe></mujoco>"#;
     let reading = modyn_read::read_mjcf(text, "m.xml", &ReadOptions::default());
@@ -485,13 +488,14 @@ fn servo_actuators_are_named_and_sites_are_frames() {
             "the law of the actuator ({name}) does not act: the dynamics have the joint force as an argument"
         )
     };
-    let affine = "`<general>` with `gaintype=\"fixed\"` and `biastype=\"affine\"`";
-    let expected = [(7, message("`<position>`")), (8, message(affine))];
+    let muscle = "`<general>` with `gaintype=\"fixed\"`, `biastype=\"muscle\"`";
+    let expected = [(7, message("`<pid>`")), (8, message(muscle))];
     let expected =
         expected.each_ref().map(|(line, message)| (Code::NotRead, Some(*line), message.as_str()));
     assert_eq!(found, expected);
     let help = reading.warnings[0].help.as_deref().unwrap_or_default();
-    assert!(help.contains("kp * (ctrl - gear * q)"), "{help}");
+    assert!(help.contains("ki * integral"), "{help}");
+    assert_eq!(reading.model.control_names(), ["j"]);
     let frames: Vec<_> = reading
         .model
         .frames()
@@ -617,26 +621,21 @@ fn ranges_of_actuators_are_effort_limits() {
 fn laws_of_actuators_are_named() {
     let warnings = |actuators: &str| {
         let text = format!(
-            r#"<mujoco model="m"><worldbody><body><joint name="j"/><geom size="0.1"/></body></worldbody>
+            r#"<mujoco model="m"><worldbody><body><joint name="j"/><geom size="0.1"/>
+            <body><joint name="ball" type="ball"/><geom size="0.1"/></body>
+            <site name="s"/></body><site name="o"/></worldbody>
+            <tendon><spatial name="t"><site site="s"/><site site="o"/></spatial></tendon>
             <actuator>{actuators}</actuator></mujoco>"#
         );
         let reading = modyn_read::read_mjcf(&text, "m.xml", &ReadOptions::default());
         reading.expect("an MJCF").warnings
     };
     for (element, attributes, law) in [
-        ("position", "kp='1' dampratio='1'", "kp * (ctrl - gear * q)"),
-        ("velocity", "kv='3' gear='2'", "gear * kv * (ctrl - gear * qd)"),
-        ("intvelocity", "kp='1'", "integral of `ctrl`"),
         ("orientation", "kp='1'", "log(q^-1 * target)"),
         ("pid", "kp='1'", "ki * integral"),
-        ("damper", "kv='4' ctrlrange='0 2'", "-kv * gear * gear * qd * ctrl"),
-        ("cylinder", "timeconst='1'", "area * act"),
         ("muscle", "force='100' lengthrange='0 1'", "pulls without control"),
         ("dcmotor", "motorconst='1' resistance='2'", "back EMF"),
         ("plugin", "plugin='p'", "that of the plugin"),
-        ("general", "biastype='affine'", "biasprm[2] * gear * qd"),
-        ("general", "gaintype='affine'", "gainprm[2] * gear * qd"),
-        ("general", "gaintype='affine' biastype='affine'", "gainprm[2] * gear * qd"),
         (
             "general",
             "dyntype='muscle' gaintype='muscle' biastype='muscle'",
@@ -658,15 +657,31 @@ fn laws_of_actuators_are_named() {
         assert!(found.to_string().contains(law), "{found}");
     }
     assert_eq!(
-        warnings("<motor joint='j' gear='2'/><general joint='j' dyntype='filter' gainprm='2'/>"),
+        warnings(
+            "<motor joint='j' gear='2'/><general joint='j' dyntype='filter' gainprm='2'/>
+             <position joint='j' kp='1' dampratio='1'/><velocity joint='j'/><cylinder joint='j'/>
+             <damper joint='j' kv='4' ctrlrange='0 2'/><intvelocity joint='j'/>
+             <general joint='j' gaintype='affine' biastype='affine'/>"
+        ),
         []
     );
     let [found] = &warnings("<adhesion body='b' ctrlrange='0 1'/>")[..] else {
         panic!("one warning")
     };
     assert!(found.message.contains("`<adhesion>`"), "{found}");
-    let [found] = &warnings("<velocity tendon='t' kv='1'/>")[..] else { panic!("one warning") };
-    assert!(found.to_string().contains("is its length"), "{found}");
+    let transmissions = [
+        ("site='s'", "a site"),
+        ("cranksite='s' slidersite='t' cranklength='1'", "a slider-crank"),
+        ("tendon='t'", "a `<spatial>` tendon"),
+        ("joint='ball'", "a ball or free joint"),
+    ];
+    for (target, kind) in transmissions {
+        let found = warnings(&format!("<velocity {target} kv='1'/><motor {target}/>"));
+        let [found] = &found[..] else { panic!("{target}: {found:?}") };
+        assert!(found.message.contains(&format!("actuators that move {kind}")), "{found}");
+    }
+    let [found] = &warnings("<motor joint='j' delay='0.1'/>")[..] else { panic!("one warning") };
+    assert!(found.message.contains("`delay`"), "{found}");
 }
 
 /// The switches of `<flag>`, whose effects are those of MuJoCo 4.0: the degrees of freedom, and the
@@ -771,8 +786,8 @@ fn aligned_free_bodies_are_refused() {
 fn attributes_that_are_not_read_are_not_judged() {
     read(
         r#"<mujoco model="m"><compiler strippath="maybe"/><option timestep="short"/><asset><material rgba="red"/></asset>
-        <worldbody><body sleep="never"><joint user="wide"/><geom size="0.1" contype="-1" rgba="red"/></body></worldbody>
-        <actuator><position kp="high"/></actuator></mujoco>"#,
+        <worldbody><body sleep="never"><joint name="j" user="wide"/><geom size="0.1" contype="-1" rgba="red"/></body></worldbody>
+        <actuator><muscle tausmooth="high" joint="j"/></actuator></mujoco>"#,
     )
     .expect("an MJCF");
 }

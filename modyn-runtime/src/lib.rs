@@ -68,10 +68,10 @@ pub use ::num_dual;
 pub use equations::Forces;
 #[cfg(feature = "alloc")]
 pub use interpreter::{
-    ConstrainedDerivatives, ConstrainedHessianOutputs, ContactProblemOutputs, ContactStepOutputs,
-    DecompositionError, ForwardDerivatives, FrameError, HessianOutputs, InertialError, Interpreter,
-    ModuleMismatch, ShapeError, StepHessianOutputs, StepOutputs, StepSolutionOutputs,
-    UduFactorization, UpdateError,
+    ActuatorOutputs, ConstrainedDerivatives, ConstrainedHessianOutputs, ContactProblemOutputs,
+    ContactStepOutputs, DecompositionError, ForwardDerivatives, FrameError, HessianOutputs,
+    InertialError, Interpreter, ModuleMismatch, ShapeError, StepHessianOutputs, StepOutputs,
+    StepSolutionOutputs, UduFactorization, UpdateError,
 };
 
 #[cfg(feature = "nalgebra")]
@@ -85,7 +85,7 @@ pub use float::{ELEMENTARY_F32, ELEMENTARY_F64, ElementaryNumbers};
 pub use inertial::{Inertial, InertialDefect};
 pub use parameters::ParameterError;
 pub use results::{
-    CentroidalMomentumDerivatives, ConstrainedForwardDynamics,
+    ActuatorForces, CentroidalMomentumDerivatives, ConstrainedForwardDynamics,
     ConstrainedForwardDynamicsDerivatives, ConstrainedForwardDynamicsHessian,
     ConstrainedInverseDynamics, ConstraintProjection, ConstraintResidual, ContactImpulse,
     ContactProblem, ContactStep, DifferenceDerivatives, ForwardDynamicsDerivatives,

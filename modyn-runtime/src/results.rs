@@ -291,6 +291,15 @@ pub struct ContactStep<Q, V, P, T> {
     pub residual: T,
 }
 
+/// The joint forces of actuators, and their activations after a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ActuatorForces<V, A> {
+    /// The joint forces, N m or N.
+    pub tau: V,
+    /// The activations after the step.
+    pub act: A,
+}
+
 /// The state after a step with contacts, the forces in it, and how its solver ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StepSolution<Q, V, A, P, R, I> {

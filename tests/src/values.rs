@@ -318,7 +318,7 @@ pub fn interpreted(
         Interpreter::with_modules(model.clone(), modules.clone()).expect("its own modules");
     let is_computed = |function: &Function| {
         let row = function.row();
-        !row.of_constraints && row.batch_of.is_none() && (all || row.default)
+        row.is_general() && row.batch_of.is_none() && (all || row.default)
     };
     let functions = Function::ALL.iter().copied().filter(is_computed);
     let functions = functions

@@ -1,5 +1,6 @@
 //! Tests of the interpreter and of the compiler's output, one module a topic; none of them compiles a robot with its own type.
 
+mod actuators;
 mod allocation;
 mod budget;
 mod changes;

@@ -280,7 +280,7 @@ fn a_robot_has_the_functions_that_were_asked_for() {
         for function in &all {
             let name = function.name();
             // The gripper has no constraints.
-            let expected = asked.contains(function) && !function.row().of_constraints;
+            let expected = asked.contains(function) && function.row().is_general();
             assert_eq!(found.contains(name), expected, "{name}");
             let constant = format!("pub const {}_OPERATIONS:", name.to_uppercase());
             assert_eq!(generated.text.contains(&constant), expected, "{name}");
@@ -290,7 +290,7 @@ fn a_robot_has_the_functions_that_were_asked_for() {
             asked.contains(&Function::Brge)
         );
         let announced = generated.operations.iter().map(|(name, _)| *name);
-        let expected = all.iter().filter(|f| asked.contains(f) && !f.row().of_constraints);
+        let expected = all.iter().filter(|f| asked.contains(f) && f.row().is_general());
         let expected = expected.map(|f| f.name());
         assert!(announced.eq(expected));
     }

@@ -243,9 +243,16 @@ impl Member {
         model: &Model,
     ) -> Result<plan::Member, (String, String)> {
         let name = function.name();
-        if !function.fits(model.constraints()) {
-            let robots = "robots with closed loops or contacts";
-            let help = "leave it out, or give the robot `contacts` or `loops`";
+        if !function.fits(&Sizes::new(model, 0)) {
+            let (robots, help) = match function.row().of_actuators {
+                true => {
+                    ("robots with actuators", "leave it out, or take an MJCF with `<actuator>`")
+                }
+                false => (
+                    "robots with closed loops or contacts",
+                    "leave it out, or give the robot `contacts` or `loops`",
+                ),
+            };
             return Err((format!("only {robots} have the function `{name}`"), help.into()));
         }
         if function.row().has_solver {

@@ -183,7 +183,7 @@ impl Plan {
             let row = function.row();
             choices.functions.contains(function)
                 && (batches || row.batch_of.is_none())
-                && function.fits(sizes.constraints)
+                && function.fits(&sizes)
         };
         let selected: Vec<Function> = Function::ALL.iter().copied().filter(is_selected).collect();
         let mut graphs = ScalarGraphs::new(&selected);

@@ -273,6 +273,15 @@ class Robot:
     def contact_names(self) -> list[str]:
         """The names of the contacts, in the order of the option."""
     @property
+    def control_names(self) -> list[str]:
+        """The names of the controls of `actuate`: of the actuators."""
+    @property
+    def activation_names(self) -> list[str]:
+        """The names of the activations of `actuate`: of the actuators that have a state."""
+    @property
+    def control_ranges(self) -> NDArray[np.float64]:
+        """The ranges of the controls, (controls, 2); -inf and inf for a control without a range."""
+    @property
     def touching_shape_names(self) -> list[str]:
         """The names of the shapes that touch the ground in a `step`: the contacts if there are any, else the shapes of the
         description."""

@@ -8,6 +8,7 @@
 //!
 //! Each step reports all its errors and continues as far as possible.
 
+mod actuators;
 mod base;
 mod bodies;
 mod contacts;
@@ -95,6 +96,7 @@ fn model(
         let SpringRecord { stiffness, reference } = description.joints[(*joint)?].spring.clone()?;
         Some(Spring { link, stiffness, reference })
     });
+    let actuation = actuators::actuation(description, &joints, &links);
     let mut compensation = Vec::new();
     // The weight of a link that is fixed to the world has no effect.
     for &(link, factor) in
@@ -112,6 +114,7 @@ fn model(
             if errors > 0 { Ok(model) } else { model.with_loop_constraints(loop_constraints) }
         })
         .and_then(|model| if errors > 0 { Ok(model) } else { model.with_contacts(contacts) })
+        .and_then(|model| if errors > 0 { Ok(model) } else { model.with_actuation(actuation) })
         .and_then(|model| {
             let soft = soft::constraints(description, options, &carriers, &model);
             if errors > 0 { Ok(model) } else { model.with_soft_constraints(soft) }

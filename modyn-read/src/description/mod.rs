@@ -18,7 +18,8 @@ pub use taken_names::TakenNames;
 
 use modyn_runtime::joint::JointType;
 use modyn_runtime::model::{
-    ContactKind, Inertial, JointDynamics, Limits, LoopConstraintKind, SoftConstraints, Softness,
+    Actuation, ContactKind, Inertial, JointDynamics, Limits, LoopConstraintKind, SoftConstraints,
+    Softness,
 };
 use modyn_runtime::spatial::Pose;
 use rustc_hash::FxHashMap;
@@ -47,6 +48,8 @@ pub struct Description {
     pub contacts: Vec<ContactRecord>,
     /// The named coordinates, in the order of the text.
     pub keyframes: Vec<KeyframeRecord>,
+    /// The actuators and their tendons, with indices of joints of the description in place of links.
+    pub actuation: Actuation,
     /// A sentence for each shape that could not be read.
     pub shape_notes: Vec<String>,
     /// The shapes that touch the ground and the options of their contacts, without the softness of
@@ -144,6 +147,8 @@ pub struct JointRecord {
     pub mimic: Option<MimicRecord>,
     pub dynamics: JointDynamics,
     pub spring: Option<SpringRecord>,
+    /// The range of the sum of actuator forces.
+    pub actuator_forces: Option<[f64; 2]>,
     /// The byte offset of armature, damping and friction.
     pub dynamics_at: usize,
     /// Whether all its numbers could be read.

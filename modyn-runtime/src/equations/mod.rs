@@ -32,6 +32,7 @@
 //! | `derivatives` | derivatives of inverse and forward dynamics | Singh, Russell and Wensing 2022 |
 //! | `derivatives/external` | the same under external wrenches | |
 //! | `soft_constraints` | steps with soft contacts, joint limits and dry joint friction | Todorov 2014 |
+//! | `actuation` | the joint forces of actuators, and their activations after a step | Todorov 2014 |
 //! | `steps/semi_implicit` | the state after a semi-implicit Euler step, its derivatives | |
 //! | `steps/implicit_midpoint` | the state after a step of the implicit midpoint rule, its derivatives | Hairer, Lubich and Wanner 2006 |
 //! | `steps/runge_kutta` | the state after a Runge-Kutta step | Celledoni, Marthinsen and Owren 2003 |
@@ -55,6 +56,7 @@
 //! External forces are arguments for all links of the description, with zeros where none act. The
 //! compiler folds forces on links that do not move; each other force costs an addition.
 
+pub mod actuation;
 mod arguments;
 pub mod brge;
 pub mod constraints;

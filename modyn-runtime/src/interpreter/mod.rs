@@ -5,6 +5,7 @@
 //! the methods by the table, on plain numbers. Public methods check the lengths of slices; inside,
 //! lengths fit by construction.
 
+mod actuation;
 mod constraint_hessians;
 mod constraints;
 mod coordinates;
@@ -25,6 +26,7 @@ mod steps;
 use alloc::{vec, vec::Vec};
 
 use crate::Scalar;
+use crate::equations::actuation::ActuationWorkspace;
 use crate::equations::brge::UduLayout;
 use crate::equations::dynamics::Elimination;
 use crate::equations::soft_constraints::SoftModel;
@@ -36,6 +38,7 @@ use crate::model::{Model, ModuleTree};
 use crate::spatial::{Pose, Vector3};
 use inertias::Inertias;
 
+pub use actuation::ActuatorOutputs;
 pub use constraint_hessians::ConstrainedHessianOutputs;
 pub use constraints::{ConstrainedDerivatives, ContactProblemOutputs, ContactStepOutputs};
 pub use derivatives::ForwardDerivatives;
@@ -101,6 +104,8 @@ pub struct Interpreter<S = f64> {
     runge_kutta: Option<RungeKuttaWorkspace<S>>,
     /// Created when a step of the implicit midpoint rule is first computed.
     midpoint: Option<MidpointWorkspace<S>>,
+    /// Created when the forces of actuators are first computed.
+    actuation: Option<ActuationWorkspace<S>>,
     /// Created when a step with soft constraints is first computed.
     soft: Option<SoftModel<S>>,
     /// For each contact, 1 if it is active, else 0.
@@ -176,6 +181,7 @@ impl<S: Scalar> Interpreter<S> {
             steps,
             runge_kutta,
             midpoint,
+            actuation: None,
             soft: None,
             active,
             without_inertia: None,

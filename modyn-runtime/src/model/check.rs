@@ -3,8 +3,8 @@
 use alloc::{collections::BTreeMap, vec::Vec};
 
 use super::{
-    ContactShape, Friction, Impedance, Inertial, Limits, Model, ModelError, ModelErrorKind,
-    SoftConstraints,
+    Activation, ActivationDynamics, Actuation, Actuator, AffineLaw, ContactShape, Friction,
+    Impedance, Inertial, Limits, Model, ModelError, ModelErrorKind, SoftConstraints, Transmission,
 };
 use crate::joint::JointType;
 use crate::spatial::Pose;
@@ -292,6 +292,87 @@ pub(super) fn check_keyframes(model: &Model) -> Vec<ModelError> {
         }
     }
     errors
+}
+
+/// Returns all defects of the actuators of a `model` that is sound without them.
+pub(super) fn check_actuation(model: &Model) -> Vec<ModelError> {
+    let mut errors = Vec::new();
+    let Actuation { actuators, tendons, joint_force_ranges } = &model.actuation;
+    let is_single =
+        |link: usize| model.links.get(link).is_some_and(|link| link.joint.joint_type.nv() == 1);
+    let mut names = BTreeMap::new();
+    for actuator in actuators {
+        let mut report = |kind| errors.push(ModelError { name: actuator.name.clone(), kind });
+        if names.insert(&actuator.name, ()).is_some() {
+            report(ModelErrorKind::DuplicateName);
+        }
+        let is_known = match actuator.transmission {
+            Transmission::Joint(link) => is_single(link),
+            Transmission::Tendon(tendon) => tendon < tendons.len(),
+        };
+        if !is_known {
+            report(ModelErrorKind::Transmission);
+        }
+        check_actuator(actuator, &mut report);
+    }
+    let mut names = BTreeMap::new();
+    for tendon in tendons {
+        let mut report = |kind| errors.push(ModelError { name: tendon.name.clone(), kind });
+        if names.insert(&tendon.name, ()).is_some() {
+            report(ModelErrorKind::DuplicateName);
+        }
+        if !tendon.joints.iter().all(|joint| is_single(joint.link)) {
+            report(ModelErrorKind::Transmission);
+        }
+        let mut coefficients = tendon.joints.iter().map(|joint| joint.coefficient);
+        if !(tendon.offset.is_finite() && coefficients.all(f64::is_finite)) {
+            report(ModelErrorKind::NotFinite);
+        }
+        if tendon.force_range.is_some_and(|[low, high]| !(low < high && low <= 0.0 && high >= 0.0))
+        {
+            report(ModelErrorKind::ActuatorRange);
+        }
+    }
+    let mut limited = BTreeMap::new();
+    for joint in joint_force_ranges {
+        let link = model.links.get(joint.link);
+        let name = link.map_or(&model.name, |link| &link.joint.name).clone();
+        let mut report = |kind| errors.push(ModelError { name: name.clone(), kind });
+        if !is_single(joint.link) {
+            report(ModelErrorKind::Transmission);
+        } else if limited.insert(joint.link, ()).is_some() {
+            report(ModelErrorKind::DuplicateName);
+        }
+        if !is_range(joint.range) {
+            report(ModelErrorKind::ActuatorRange);
+        }
+    }
+    errors
+}
+
+/// Reports the defects of an actuator's own numbers.
+fn check_actuator(actuator: &Actuator, report: &mut impl FnMut(ModelErrorKind)) {
+    let Actuator { gear, gain, bias, control_range, force_range, activation, .. } = actuator;
+    let laws = [gain, bias]
+        .map(|AffineLaw { constant, length, velocity }| finite(&[*constant, *length, *velocity]));
+    if !(gear.is_finite() && laws == [true; 2]) {
+        report(ModelErrorKind::NotFinite);
+    }
+    let range = activation.and_then(|activation| activation.range);
+    if ![*control_range, *force_range, range].into_iter().flatten().all(is_range) {
+        report(ModelErrorKind::ActuatorRange);
+    }
+    if let Some(Activation { dynamics, .. }) = activation
+        && let ActivationDynamics::Filter(time) | ActivationDynamics::ExactFilter(time) = dynamics
+        && !(*time >= 0.0 && time.is_finite())
+    {
+        report(ModelErrorKind::ActivationTime);
+    }
+}
+
+/// Returns whether the lower end of a range is below the upper end.
+fn is_range([low, high]: [f64; 2]) -> bool {
+    low < high
 }
 
 /// Returns, for each link, whether its joint has a coordinate of its own, or its chain of leaders

@@ -59,6 +59,14 @@ pub enum ModelErrorKind {
     TouchingShape,
     /// The softness of a joint that does not exist, or that is out of its range.
     JointSoftness,
+    /// An actuator or a tendon is on a joint or a tendon that does not exist, or on a joint with
+    /// several degrees of freedom.
+    Transmission,
+    /// A range of a control, an activation or a force is empty, or a range of a tendon's forces does
+    /// not contain zero.
+    ActuatorRange,
+    /// The time constant of an activation is negative.
+    ActivationTime,
     /// A keyframe has another number of coordinates than the robot.
     KeyframeLength,
     /// A keyframe has a quaternion that is not of unit length.
@@ -105,6 +113,15 @@ impl fmt::Display for ModelError {
             ModelErrorKind::JointSoftness => {
                 "has a softness out of its range, or is no joint of the robot"
             }
+            ModelErrorKind::Transmission => {
+                "is on a joint or tendon that does not exist, or on a joint with several degrees of \
+                 freedom"
+            }
+            ModelErrorKind::ActuatorRange => {
+                "has a range whose lower end is not below its upper end, or is a tendon with a range \
+                 without zero"
+            }
+            ModelErrorKind::ActivationTime => "has an activation with a negative time constant",
             ModelErrorKind::KeyframeLength => {
                 "is a keyframe with another number of coordinates than the robot"
             }

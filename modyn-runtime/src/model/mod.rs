@@ -6,6 +6,7 @@
 //! joint, towards its parent. A link that is fixed to another link is a [`Frame`]. Its inertia is
 //! merged into the moving link that carries it.
 
+mod actuator;
 mod check;
 mod contact;
 mod error;
@@ -18,6 +19,10 @@ mod spring;
 mod touching;
 
 pub use crate::inertial::{INERTIAL_PARAMETERS, Inertial, InertialDefect, PARAMETERS_PER_LINK};
+pub use actuator::{
+    Activation, ActivationDynamics, Actuation, Actuator, AffineLaw, FixedTendon, JointForceRange,
+    TendonJoint, Transmission,
+};
 pub use contact::{Contact, ContactKind};
 pub use error::{ModelError, ModelErrorKind};
 pub use joint::{Friction, Joint, JointDynamics, Limits, Mimic};
@@ -70,6 +75,7 @@ pub struct Model {
     loop_constraints: Vec<LoopConstraint>,
     contacts: Vec<Contact>,
     soft_constraints: SoftConstraints,
+    actuation: Actuation,
     keyframes: Vec<Keyframe>,
     /// For each link, the place of its joint's coordinates and velocities.
     #[cfg_attr(feature = "serde", serde(skip))]
@@ -124,6 +130,7 @@ impl Model {
             loop_constraints,
             contacts,
             soft_constraints: SoftConstraints::default(),
+            actuation: Actuation::default(),
             keyframes,
             joint_indices,
         };
@@ -275,6 +282,21 @@ impl Model {
     pub fn with_soft_constraints(mut self, soft: SoftConstraints) -> Result<Self, Vec<ModelError>> {
         self.soft_constraints = soft;
         let errors = check::check_soft_constraints(&self);
+        if errors.is_empty() { Ok(self) } else { Err(errors) }
+    }
+
+    /// Returns the robot with these actuators, tendons and ranges of joint forces, which replace the
+    /// present ones.
+    ///
+    /// # Errors
+    ///
+    /// All defects: a name used twice, a joint that does not exist or has several degrees of
+    /// freedom, a tendon that does not exist, a range whose lower end is not below its upper end, a
+    /// range of a tendon's forces that does not contain zero, a time constant that is negative, a
+    /// number that is not finite.
+    pub fn with_actuation(mut self, actuation: Actuation) -> Result<Self, Vec<ModelError>> {
+        self.actuation = actuation;
+        let errors = check::check_actuation(&self);
         if errors.is_empty() { Ok(self) } else { Err(errors) }
     }
 
@@ -554,6 +576,8 @@ impl<'de> serde::Deserialize<'de> for Model {
             #[serde(default)]
             soft_constraints: SoftConstraints,
             #[serde(default)]
+            actuation: Actuation,
+            #[serde(default)]
             keyframes: Vec<Keyframe>,
         }
         let Parts {
@@ -567,6 +591,7 @@ impl<'de> serde::Deserialize<'de> for Model {
             loop_constraints,
             contacts,
             soft_constraints,
+            actuation,
             keyframes,
         } = Parts::deserialize(deserializer)?;
         let model = Self::new(name, gravity, links, frames)
@@ -576,6 +601,7 @@ impl<'de> serde::Deserialize<'de> for Model {
             .and_then(|model| model.with_loop_constraints(loop_constraints))
             .and_then(|model| model.with_contacts(contacts))
             .and_then(|model| model.with_soft_constraints(soft_constraints))
+            .and_then(|model| model.with_actuation(actuation))
             .and_then(|model| model.with_keyframes(keyframes));
         model.map_err(|errors| {
             let all: Vec<String> = errors.iter().map(alloc::string::ToString::to_string).collect();

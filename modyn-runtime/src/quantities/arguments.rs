@@ -22,6 +22,10 @@ pub enum ArgumentKind {
     Velocities,
     /// A number for each degree of freedom of the coordinates, then one for each velocity.
     State,
+    /// A control for each actuator.
+    Controls,
+    /// A state for each actuator that has one.
+    Activations,
     /// A time, s.
     Time,
     /// A number.
@@ -67,6 +71,8 @@ impl ArgumentKind {
             Self::Coordinates
             | Self::Velocities
             | Self::State
+            | Self::Controls
+            | Self::Activations
             | Self::Time
             | Self::Number
             | Self::Numbers(_)
@@ -88,6 +94,8 @@ impl Argument {
             ArgumentKind::Coordinates => shapes::coordinates(sizes),
             ArgumentKind::Velocities | ArgumentKind::RandomNumbers => shapes::velocities(sizes),
             ArgumentKind::State => shapes::state(sizes),
+            ArgumentKind::Controls => shapes::controls(sizes),
+            ArgumentKind::Activations => shapes::activations(sizes),
             ArgumentKind::Time | ArgumentKind::Number => Shape::Scalar,
             ArgumentKind::Numbers(count) => Shape::vector(count),
             ArgumentKind::Wrenches => shapes::wrenches(sizes),

@@ -5,6 +5,7 @@ use alloc::vec::Vec;
 use super::row::Function;
 use super::shape::{Record, Shape, Sizes};
 use super::table;
+use crate::equations::actuation::ActuatorInput;
 use crate::equations::constraints::{
     ConstrainedCotangent, ConstrainedInverseOutputs, ConstrainedOutputs, ImpulseOutputs,
     OperationalInertiaOutputs, ProjectionOutputs, ResidualOutputs,
@@ -13,9 +14,9 @@ use crate::equations::derivatives::CentroidalOutputs;
 use crate::equations::soft_constraints::StepInput;
 use crate::equations::{Forces, ForwardInput, Motion, State, TimeStepInput};
 use crate::interpreter::{
-    ConstrainedDerivatives, ConstrainedHessianOutputs, ContactProblemOutputs, ContactStepOutputs,
-    ForwardDerivatives, FrameError, HessianOutputs, Interpreter, ShapeError, StepHessianOutputs,
-    StepOutputs, StepSolutionOutputs,
+    ActuatorOutputs, ConstrainedDerivatives, ConstrainedHessianOutputs, ContactProblemOutputs,
+    ContactStepOutputs, ForwardDerivatives, FrameError, HessianOutputs, Interpreter, ShapeError,
+    StepHessianOutputs, StepOutputs, StepSolutionOutputs,
 };
 use crate::spatial::{Momentum, Pose, Twist, Vector3, Wrench};
 use crate::{ConstraintSettings, ContactSurface, ContactTarget, Scalar, StepSettings};

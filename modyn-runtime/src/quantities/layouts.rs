@@ -153,6 +153,10 @@ macro_rules! layouts {
                 let forces = [("forces", point_forces(s))];
                 Shape::Record(Record::Each("StepSolution"), [&motion[..], &forces, &solver].concat())
             };
+            actuator_forces (ActuatorForces<Self::V<T>, Self::PerActivation<T>>) |s| {
+                let fields = vec![("tau", velocities(s)), ("act", activations(s))];
+                Shape::Record(Record::Each("ActuatorForces"), fields)
+            };
             constrained_torques (ConstrainedInverseDynamics<Self::V<T>, Self::PerConstraint<Wrench<T>>, T>) |s| {
                 let wrenches = Shape::wrench().array(s.constraints);
                 let fields = vec![("tau", velocities(s)), ("wrenches", wrenches), ("rank", Shape::Scalar)];

@@ -21,6 +21,8 @@ pub struct Row {
     pub default: bool,
     /// Whether only robots with closed loops or contacts have the function.
     pub of_constraints: bool,
+    /// Whether only robots with actuators have the function.
+    pub of_actuators: bool,
     /// Whether the function depends on run-time parameters of the robot (gravity, inertias,
     /// payloads).
     pub depends_on_parameters: bool,
@@ -37,6 +39,12 @@ pub struct Row {
 }
 
 impl Row {
+    /// Returns whether all robots have the function, also without constraints and actuators.
+    #[must_use]
+    pub const fn is_general(&self) -> bool {
+        !self.of_constraints && !self.of_actuators
+    }
+
     /// Returns the row of the same function for many states.
     const fn for_many_states(self, function: Function) -> Self {
         Self { default: false, hot: false, casadi: false, batch_of: Some(function), ..self }
@@ -127,6 +135,7 @@ macro_rules! declare_rows {
                         by_link: [$(same(stringify!($link), "link"),)? false][0],
                         default: has(FLAGS, "default"),
                         of_constraints: has(FLAGS, "constraints"),
+                        of_actuators: has(FLAGS, "actuators"),
                         depends_on_parameters: [$(!same(stringify!($with), ""),)? false][0],
                         has_solver: has(FLAGS, "solver"),
                         needs_inertia: has(FLAGS, "inertia"),
@@ -193,11 +202,12 @@ impl Function {
         matches!(self.row().arguments, [Argument { kind: ArgumentKind::RandomNumbers, .. }])
     }
 
-    /// Returns whether a robot with this number of constraints, closed loops and contacts, can have
-    /// the function.
+    /// Returns whether a robot of these sizes can have the function: whether it has the constraints
+    /// or the actuators that the function needs.
     #[must_use]
-    pub const fn fits(self, constraints: usize) -> bool {
-        !self.row().of_constraints || constraints > 0
+    pub const fn fits(self, sizes: &Sizes) -> bool {
+        let row = self.row();
+        (!row.of_constraints || sizes.constraints > 0) && (!row.of_actuators || sizes.controls > 0)
     }
 
     /// Returns the name of the result; that of one state's result for a function of many states.

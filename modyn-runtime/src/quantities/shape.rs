@@ -201,6 +201,10 @@ pub struct Sizes {
     pub touching_shapes: usize,
     /// The number of points of these shapes that can touch it at the same time.
     pub touching_points: usize,
+    /// The number of controls: of actuators.
+    pub controls: usize,
+    /// The number of activations.
+    pub activations: usize,
     /// The number of entries of the mass matrix's factors.
     pub factors: usize,
 }
@@ -220,6 +224,8 @@ impl Sizes {
             constraint_rows: model.constraint_rows(),
             touching_shapes: shapes.len(),
             touching_points: shapes.iter().map(|shape| shape.shape.points()).sum(),
+            controls: model.actuation().actuators.len(),
+            activations: model.actuation().activated().count(),
             factors,
         }
     }
@@ -267,6 +273,14 @@ pub mod shapes {
 
     pub fn point_forces(s: &Sizes) -> Shape {
         Shape::vector3().array(s.touching_points)
+    }
+
+    pub fn controls(s: &Sizes) -> Shape {
+        Shape::vector(s.controls)
+    }
+
+    pub fn activations(s: &Sizes) -> Shape {
+        Shape::vector(s.activations)
     }
 
     pub fn contacts(s: &Sizes) -> Shape {

@@ -14,7 +14,7 @@ use crate::constants::{JointLimits, KinematicModule};
 use crate::constraint_settings::{ConstraintSettings, ContactSet, ContactTarget};
 use crate::quantities::table;
 use crate::results::{
-    CentroidalMomentumDerivatives, ConstrainedForwardDynamics,
+    ActuatorForces, CentroidalMomentumDerivatives, ConstrainedForwardDynamics,
     ConstrainedForwardDynamicsDerivatives, ConstrainedForwardDynamicsHessian,
     ConstrainedInverseDynamics, ConstraintProjection, ConstraintResidual, ContactImpulse,
     ContactProblem, ContactStep, DifferenceDerivatives, ForwardDynamicsDerivatives,
@@ -87,6 +87,10 @@ pub trait Robot {
     /// The names of the shapes that touch the ground in a step: the contacts, or the shapes of the
     /// description.
     const TOUCHING_SHAPE_NAMES: &'static [&'static str] = &[];
+    /// The names of the controls: of the actuators.
+    const CONTROL_NAMES: &'static [&'static str] = &[];
+    /// The names of the activations: of the actuators that have a state.
+    const ACTIVATION_NAMES: &'static [&'static str] = &[];
     /// The quaternions in the coordinate vector: each joint's name, and the index of the
     /// quaternion's x.
     const QUATERNIONS: &'static [(&'static str, usize)] = &[];
@@ -126,6 +130,12 @@ pub trait Robot {
     /// The type of arrays with an entry for each point of these shapes that can touch the ground:
     /// two for a capsule, four for a box or a cylinder.
     type PerTouchingPoint<X: Copy>: Array<X>;
+    /// The type of arrays with an entry for each control, in the order of
+    /// [`CONTROL_NAMES`](Self::CONTROL_NAMES).
+    type PerControl<X: Copy>: Array<X>;
+    /// The type of arrays with an entry for each activation, in the order of
+    /// [`ACTIVATION_NAMES`](Self::ACTIVATION_NAMES).
+    type PerActivation<X: Copy>: Array<X>;
     /// The type of arrays with an entry for each constraint: for each joint that closes a loop, in
     /// the order of [`LOOP_CONSTRAINT_NAMES`](Self::LOOP_CONSTRAINT_NAMES), then for each contact.
     type PerConstraint<X: Copy>: Array<X>;

@@ -8,6 +8,8 @@ macro_rules! kind_type {
     (Coordinates) => { &Self::Q<T> };
     (Velocities) => { &Self::V<T> };
     (State) => { &Self::PerState<T> };
+    (Controls) => { &Self::PerControl<T> };
+    (Activations) => { &Self::PerActivation<T> };
     (Time) => { T };
     (Wrenches) => { &Self::PerLink<Wrench<T>> };
     (ConstraintWrenches) => { &Self::PerConstraint<Wrench<T>> };

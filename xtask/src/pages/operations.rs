@@ -48,7 +48,7 @@ const MAIN: &str = "forward_dynamics inverse_dynamics bias_forces mass_matrix br
 /// Returns the rows of the operations of a robot's functions.
 fn count(robot: &Robot) -> String {
     let is_fixed = robot.base == Base::Fixed;
-    let all = Function::ALL.iter().copied().filter(|function| !function.row().of_constraints);
+    let all = Function::ALL.iter().copied().filter(|function| function.row().is_general());
     let main = MAIN.split(' ').map(|name| Function::from_name(name).expect("a function"));
     let functions: Vec<Function> = if is_fixed { all.collect() } else { main.collect() };
     let path = root(&format!("robots/{}.urdf", robot.file));

@@ -20,6 +20,8 @@ const SIZES: Sizes = Sizes {
     factors: 1049,
     touching_shapes: 1051,
     touching_points: 1061,
+    controls: 1063,
+    activations: 1069,
 };
 
 /// Returns the name of the length of an axis.
@@ -35,6 +37,8 @@ fn length(n: usize) -> String {
         (3 * SIZES.contacts, "3 contacts"),
         (SIZES.touching_shapes, "touching shapes"),
         (SIZES.touching_points, "touching points"),
+        (SIZES.controls, "controls"),
+        (SIZES.activations, "activations"),
         (SIZES.constraint_rows, "constraint rows"),
     ];
     let named = sizes.iter().find(|(size, _)| *size == n);
@@ -63,6 +67,7 @@ fn argument(name: &str, shape: &Shape) -> String {
             "`StepSettings`, by default those of `step_settings()`".into()
         }
         ("warm_start", _) => "(nv,), by default zeros".into(),
+        ("act", _) => "(activations,), which a robot without activations leaves out".into(),
         ("contacts", _) => {
             "the names of the active contacts, or (contacts,), 1 for each active one, else 0; by default all are".into()
         }
@@ -136,7 +141,7 @@ fn docs(row: &Row) -> String {
     }
     text = text.replace(" Both matrices are arrays of columns; each", " Each");
     text = text.replace("The blocks of the Hessian are arrays of columns; the", "The");
-    let constants = ["LINK_NAMES", "LOOP_CONSTRAINT_NAMES", "CONTACT_NAMES", "PARAMETERS"];
+    let constants = ["LINK_NAMES", "LOOP_CONSTRAINT_NAMES", "CONTACT_NAMES", "CONTROL_NAMES", "ACTIVATION_NAMES", "PARAMETERS"];
     for name in constants {
         text = text.replace(&format!("`{name}`"), &format!("`{}`", name.to_lowercase()));
     }
@@ -196,7 +201,7 @@ fn python(name: &str) -> &str {
 
 /// Returns whether an argument has a default.
 fn is_optional(name: &str) -> bool {
-    matches!(name, "contacts" | "settings" | "warm_start")
+    matches!(name, "contacts" | "settings" | "warm_start" | "act")
 }
 
 /// Returns the methods in Rust.

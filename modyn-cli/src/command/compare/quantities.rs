@@ -90,7 +90,7 @@ pub fn quantities() -> impl Iterator<Item = Quantity> {
         let of_a_state =
             |argument: &Argument| matches!(argument.name, "q" | "qd" | "qdd" | "tau" | "v");
         (row.default || derivatives.contains(function))
-            && !row.of_constraints
+            && row.is_general()
             && !row.by_link
             && row.arguments.iter().all(of_a_state)
             && *function != Function::Normalize
@@ -124,7 +124,7 @@ mod tests {
         assert_eq!(call(Function::ForwardDynamics), "forward_dynamics(&s.q, &s.qd, &s.u)");
         assert_eq!(call(Function::Integrate), "integrate(&s.q, &s.qd)");
         assert_eq!(call(Function::Brge), "brge(&s.q).solve(&s.u)");
-        let default = Function::DEFAULT.iter().filter(|function| !function.row().of_constraints);
+        let default = Function::DEFAULT.iter().filter(|function| function.row().is_general());
         let compared: Vec<Function> = quantities().map(|quantity| quantity.function).collect();
         let left: Vec<&Function> = default.filter(|one| !compared.contains(one)).collect();
         let expected = [

@@ -233,6 +233,11 @@ impl Robot<'_> {
             // They belong to pivot blocks and couplings, which have no names.
             (Some(ArgumentKind::Factors), _) => format!("&[\"\"; {}]", shape.len()),
             (Some(ArgumentKind::Contacts), _) if !shape.is_empty() => "&Self::CONTACT_NAMES".into(),
+            (Some(ArgumentKind::Controls), _) => "&Self::CONTROL_NAMES".into(),
+            (Some(ArgumentKind::Activations), _) if !shape.is_empty() => {
+                "&Self::ACTIVATION_NAMES".into()
+            }
+            (Some(ArgumentKind::Activations), _) => "&[]".into(),
             (_, shape) if ends_in(shape, self.model.nv()) => "&Self::VELOCITY_NAMES".into(),
             _ => "&[]".to_string(),
         };

@@ -95,6 +95,27 @@ impl Robot<'_> {
                 names.len()
             );
         }
+        let lists = [
+            (
+                model.control_names(),
+                "CONTROL_NAMES",
+                "The names of the controls: of the actuators.",
+            ),
+            (
+                model.activation_names(),
+                "ACTIVATION_NAMES",
+                "The names of the activations: of the actuators that have a state.",
+            ),
+        ];
+        for (names, constant, docs) in lists {
+            if !names.is_empty() {
+                let _ = writeln!(
+                    text,
+                    "/// {docs}\npub const {constant}: [&'static str; {}] = {names:?};",
+                    names.len()
+                );
+            }
+        }
         self.keyframes(text);
         self.limits(text);
         if let Some(base) = base_parameters {

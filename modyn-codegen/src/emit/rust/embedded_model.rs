@@ -6,7 +6,7 @@
 
 use std::fmt::Write as _;
 
-use modyn_runtime::model::{Limits, Link, Spring};
+use modyn_runtime::model::{Actuation, Limits, Link, Model, Spring};
 
 use super::Robot;
 
@@ -63,6 +63,7 @@ impl Robot<'_> {
                 numbers(model.gravity_compensation())
             );
         }
+        let actuation = actuation(model);
         let contacts = list(model.contacts().iter().map(|contact| {
             format!(
                 "Contact {{ name: {:?}.into(), kind: ContactKind::{:?}, end: {:?} }}",
@@ -87,7 +88,7 @@ impl Robot<'_> {
              let model = Model::new({:?}, {:?}, links.into(), frames.into());\n    \
              let model = model.and_then(|model| model.with_friction(Friction::{:?}));\n    \
              {passive}let model = model.and_then(|model| model.with_loop_constraints(loops.into()));\n    \
-             model\n        .and_then(|model| model.with_contacts(contacts.into()))\n        {keyframes}\
+             model\n        .and_then(|model| model.with_contacts(contacts.into()))\n        {actuation}{keyframes}\
              .expect(\"the model was valid when this was compiled\")\n}}\n}}\n",
             self.name,
             model.links().len(),
@@ -99,6 +100,70 @@ impl Robot<'_> {
             model.friction(),
         );
     }
+}
+
+/// Returns the call that gives the robot its actuators; empty without actuators.
+fn actuation(model: &Model) -> String {
+    let Actuation { actuators, tendons, joint_force_ranges } = model.actuation();
+    if *model.actuation() == Actuation::default() {
+        return String::new();
+    }
+    let actuators = list(actuators.iter().map(|actuator| {
+        format!(
+            "Actuator {{ name: {:?}.into(), transmission: Transmission::{:?}, gear: {:?}, gain: {:?}, \
+             bias: {:?}, control_range: {}, force_range: {}, activation: {}, enabled: {:?} }}",
+            actuator.name,
+            actuator.transmission,
+            actuator.gear,
+            actuator.gain,
+            actuator.bias,
+            range(actuator.control_range),
+            range(actuator.force_range),
+            match &actuator.activation {
+                None => "None".into(),
+                Some(activation) => format!(
+                    "Some(Activation {{ dynamics: ActivationDynamics::{:?}, range: {}, early: {:?} }})",
+                    activation.dynamics,
+                    range(activation.range),
+                    activation.early
+                ),
+            },
+            actuator.enabled,
+        )
+    }));
+    let tendons = list(tendons.iter().map(|tendon| {
+        format!(
+            "FixedTendon {{ name: {:?}.into(), joints: {:?}.into(), offset: {:?}, force_range: {} }}",
+            tendon.name,
+            tendon.joints,
+            tendon.offset,
+            range(tendon.force_range)
+        )
+    }));
+    let ranges = list(joint_force_ranges.iter().map(|joint| {
+        format!("JointForceRange {{ link: {}, range: {} }}", joint.link, bounds(joint.range))
+    }));
+    format!(
+        ".and_then(|model| {{\n            use __modyn::model::{{Activation, ActivationDynamics, Actuation, \
+         Actuator, AffineLaw, FixedTendon, JointForceRange, TendonJoint, Transmission}};\n            \
+         model.with_actuation(Actuation {{ actuators: {actuators}.into(), tendons: {tendons}.into(), \
+         joint_force_ranges: {ranges}.into() }})\n        }})\n        "
+    )
+}
+
+/// Returns a range, which may be infinite.
+fn range(range: Option<[f64; 2]>) -> String {
+    range.map_or_else(|| "None".into(), |range| format!("Some({})", bounds(range)))
+}
+
+/// Returns the bounds of a range, which may be infinite.
+fn bounds(range: [f64; 2]) -> String {
+    let [low, high] = range.map(|bound| match bound {
+        f64::INFINITY => "f64::INFINITY".into(),
+        f64::NEG_INFINITY => "f64::NEG_INFINITY".into(),
+        bound => format!("{bound:?}"),
+    });
+    format!("[{low}, {high}]")
 }
 
 /// Returns an array of these values, a line each.

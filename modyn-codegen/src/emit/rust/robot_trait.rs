@@ -24,7 +24,9 @@ impl Robot<'_> {
         };
         let constraint_names = names(self.model.loop_constraints().len(), "LOOP_CONSTRAINT_NAMES")
             + &names(contacts, "CONTACT_NAMES")
-            + &names(sizes.touching_shapes, "TOUCHING_SHAPE_NAMES");
+            + &names(sizes.touching_shapes, "TOUCHING_SHAPE_NAMES")
+            + &names(sizes.controls, "CONTROL_NAMES")
+            + &names(sizes.activations, "ACTIVATION_NAMES");
         let params =
             if self.plan.parameters.is_empty() { "()".into() } else { format!("{name}Params<T>") };
         let brge = if self.factorizes() {
@@ -58,6 +60,8 @@ impl Robot<'_> {
              type PerContact<X: ::core::marker::Copy> = [X; {contacts}];\n\
              type PerTouchingShape<X: ::core::marker::Copy> = [X; {shapes}];\n\
              type PerTouchingPoint<X: ::core::marker::Copy> = [X; {points}];\n\
+             type PerControl<X: ::core::marker::Copy> = [X; {controls}];\n\
+             type PerActivation<X: ::core::marker::Copy> = [X; {activations}];\n\
              type PerConstraint<X: ::core::marker::Copy> = [X; {constraints}];\n\
              type PerConstraintRow<X: ::core::marker::Copy> = [X; {rows}];\n\
              type PerContactRow<X: ::core::marker::Copy> = [X; {contact_rows}];\n\
@@ -69,6 +73,8 @@ impl Robot<'_> {
             state = 2 * nv,
             shapes = sizes.touching_shapes,
             points = sizes.touching_points,
+            controls = sizes.controls,
+            activations = sizes.activations,
             rows = self.model.constraint_rows(),
             contact_rows = 3 * self.model.contacts().len(),
             ground_rows = 3 * self.model.contacts().len() + nv,

@@ -1,112 +1,210 @@
-//! Actuators: the limits of their forces, and the laws by which their forces depend on the state,
-//! which do not act.
+//! Actuators: their laws, and the limits of their forces.
 
-use std::collections::BTreeMap;
+use std::collections::HashMap;
 
-use modyn_runtime::model::Limits;
+use modyn_runtime::Interpreter;
+use modyn_runtime::joint::JointType;
+use modyn_runtime::model::{
+    Activation, ActivationDynamics, Actuator, AffineLaw, FixedTendon, Limits, TendonJoint,
+    Transmission,
+};
 
+use super::actuator_law::{ActuatorLaw, Range};
 use super::bodies::Bodies;
-use super::check::list;
+use super::equality::fixed_tendon;
+use super::inert_actuators::InertActuators;
 use super::item::Item;
-use super::joints::is_limited;
-use crate::description::MAX_NUMBER;
-use crate::diagnostics::{Code, Place, Subject};
+use super::spring_dampers::{MAX_ACCELERATIONS, MAX_SPRING_DAMPERS};
+use crate::description::{Kind, MAX_NUMBER, TakenNames};
+use crate::diagnostics::{Code, Subject};
 
-/// The actuators with one law.
-struct LawOfActuators {
-    places: Vec<Place>,
-    /// The joint force in words.
-    force: &'static str,
+/// The least positive number by which MuJoCo divides.
+const LEAST: f64 = 1e-15;
+
+/// An actuator of the model.
+struct Described<'e> {
+    item: Item<'e>,
+    law: ActuatorLaw<'e>,
+    transmission: Transmission,
 }
 
-/// A law of an actuator's force that depends on the state or on an activation.
-struct Law {
-    /// The name of the element, with the types of a `<general>`.
-    name: String,
-    /// The joint force in words.
-    force: &'static str,
+/// The joints and tendons of the description by their names.
+struct Targets<'e> {
+    joints: HashMap<String, usize>,
+    tendons: HashMap<String, Tendon<'e>>,
 }
 
-/// The laws by the name of the element. A motor has none: its control is the joint force.
-const LAWS: &[(&str, &str)] = &[
-    (
-        "position",
-        "`gear * (kp * (ctrl - gear * q) - kv * gear * qd)`; `kv` follows from `dampratio` if the \
-         actuator has that, and \
-         `timeconst` delays `ctrl`",
-    ),
-    ("velocity", "`gear * kv * (ctrl - gear * qd)`"),
-    (
-        "intvelocity",
-        "`gear * (kp * (act - gear * q) - kv * gear * qd)`, where `act` is the integral of `ctrl` \
-         over time",
-    ),
-    (
-        "orientation",
-        "`kp * log(q^-1 * target) - kv * qd` in the axes of the child, where `target` is the \
-         rotation that `ctrl` gives",
-    ),
-    (
-        "pid",
-        "`gear * (kp * (position - gear * q) + kv * (velocity - gear * qd) + ki * integral + \
-         feedforward)`, where the integral is \
-         that of the position's error",
-    ),
-    ("damper", "`-kv * gear * gear * qd * ctrl`"),
-    (
-        "cylinder",
-        "`gear * (area * act + bias[0] + bias[1] * gear * q + bias[2] * gear * qd)`, where the \
-         pressure `act` follows `ctrl` with \
-         the time constant `timeconst`",
-    ),
-    ("muscle", MUSCLE),
-    (
-        "dcmotor",
-        "that of MuJoCo's motor: by voltage, resistance and back EMF `gear * K / R * (ctrl - K * \
-         gear * qd)`, with its further \
-         states if it has some",
-    ),
-    ("plugin", "that of the plugin"),
-];
+/// A tendon of the model.
+struct Tendon<'e> {
+    item: Item<'e>,
+    /// Its joints and their coefficients; `None` if the tendon is not fixed.
+    joints: Option<Vec<(usize, f64)>>,
+    /// Its index among the tendons of the actuators; `None` if no actuator moves it so far.
+    index: Option<usize>,
+}
 
-const MUSCLE: &str =
-    "that of MuJoCo's muscle by length, velocity and activation; it pulls without control as well";
-const AFFINE_GAIN: &str = "`gear * ((gainprm[0] + gainprm[1] * gear * q + gainprm[2] * gear * qd) \
-                           * ctrl + bias)`, where `bias` is \
-                           `biasprm[0] + biasprm[1] * gear * q + biasprm[2] * gear * qd` if \
-                           `biastype` is `affine`, else 0";
-const AFFINE_BIAS: &str =
-    "`gear * (gainprm[0] * ctrl + biasprm[0] + biasprm[1] * gear * q + biasprm[2] * gear * qd)`";
-const OTHER: &str = "that of these types in MuJoCo";
+/// The reason why an actuator does not act.
+pub enum Inert {
+    /// The joint or tendon does not exist.
+    Missing,
+    /// The kind of its transmission.
+    Transmission(&'static str),
+}
 
 impl<'e> Bodies<'e, '_, '_> {
-    /// Sets the effort limits of joints whose actuators have a limited force, and warns of the laws
-    /// that do not act.
+    /// Adds the actuators, sets the effort limits of joints whose actuators have a limited force,
+    /// and warns of actuators that do not act. Constraints of `<equality>` may not have fixed joints
+    /// yet.
     pub fn actuators(&mut self) {
-        if !self.models[0].settings.flags.actuation {
+        let items = self.of_section("actuator");
+        if items.is_empty() {
             return;
         }
-        let mut laws: BTreeMap<String, LawOfActuators> = BTreeMap::new();
-        let mut on_contacts: Vec<Place> = Vec::new();
+        let mut targets = self.targets(&items);
+        let acts = self.models[0].settings.flags.actuation;
+        let mut inert = InertActuators::default();
+        let mut described = Vec::new();
         // For each joint, the sum of its actuators' largest forces; `None` if one has no limit.
         let mut efforts = vec![Some(0.0); self.description.joints.len()];
-        let joints = self.description.joints_by_name();
-        for item in self.of_section("actuator") {
-            let element = item.element();
-            let attribute = element.attribute("joint").or(element.attribute("jointinparent"));
-            let joint = attribute.map(|joint| item.naming.name(&joint.value));
-            let place: Place = (Some(element.at), joint.clone().map(Subject::Joint));
-            if element.name == "adhesion" {
-                on_contacts.push(place);
-            } else if let Some(Law { name, force }) = law(&item) {
-                let new = || LawOfActuators { places: Vec::new(), force };
-                laws.entry(name).or_insert_with(new).places.push(place);
+        for item in items {
+            if !self.models[item.model].is_sound(&item.chain) {
+                continue;
             }
-            if let Some(&index) = joint.and_then(|name| joints.get(name.as_str())) {
-                let effort = self.largest_force(&item);
-                efforts[index] = efforts[index].zip(effort).map(|(sum, effort)| sum + effort);
+            let law = ActuatorLaw::of(&item);
+            let transmission = self.transmission(&item, &law, &mut targets);
+            if let Ok(Transmission::Joint(joint)) = transmission {
+                let effort = self.largest_force(&item, &law);
+                efforts[joint] = efforts[joint].zip(effort).map(|(sum, effort)| sum + effort);
+            }
+            let is_law = inert.add(&item, &law, &transmission);
+            match transmission {
+                Ok(transmission) if is_law => {
+                    described.push(Described { item, law, transmission });
+                }
+                Err(Inert::Missing) => self.refuse_target(&item, &law),
+                _ => {}
             }
         }
+        if acts {
+            self.set_efforts(efforts);
+            inert.report(self.report);
+        }
+        self.resolve_damping_ratios(&mut described);
+        let explicit: Vec<String> =
+            described.iter().filter_map(|actuator| actuator.item.name()).collect();
+        let mut taken = TakenNames::new(explicit.iter().map(String::as_str));
+        for actuator in described {
+            self.add_actuator(actuator, &targets, &mut taken);
+        }
+    }
+
+    fn targets(&self, actuators: &[Item<'e>]) -> Targets<'e> {
+        let known_joints = self.description.joints_by_name().into_iter();
+        let joints: HashMap<String, usize> =
+            known_joints.map(|(name, joint)| (name.to_owned(), joint)).collect();
+        let moves_tendon = |item: &Item<'e>| item.text("tendon").is_some();
+        let mut tendons = HashMap::new();
+        if actuators.iter().any(moves_tendon) {
+            for item in self.of_section("tendon") {
+                let Some(name) = item.name() else { continue };
+                let joints = fixed_tendon(&item, &joints);
+                // The first of equal names counts.
+                tendons.entry(name).or_insert(Tendon { item, joints, index: None });
+            }
+        }
+        Targets { joints, tendons }
+    }
+
+    /// Returns the joint or tendon that an actuator moves, as an index of the description.
+    fn transmission(
+        &mut self,
+        item: &Item<'e>,
+        law: &ActuatorLaw<'e>,
+        targets: &mut Targets<'e>,
+    ) -> Result<Transmission, Inert> {
+        let (attribute, name) = law.target.ok_or(Inert::Missing)?;
+        let name = item.naming.name(name);
+        let is_single = |joint: &usize| {
+            use JointType::{Continuous, Prismatic, Revolute};
+            let kind = self.description.joints[*joint].kind;
+            matches!(kind, Kind::Moving(Revolute | Continuous | Prismatic))
+        };
+        match attribute {
+            "joint" | "jointinparent" => {
+                let joint = targets.joints.get(&name).ok_or(Inert::Missing)?;
+                let several = Inert::Transmission("a ball or free joint");
+                is_single(joint).then_some(Transmission::Joint(*joint)).ok_or(several)
+            }
+            "tendon" => {
+                let tendon = targets.tendons.get_mut(&name).ok_or(Inert::Missing)?;
+                let joints = tendon
+                    .joints
+                    .as_ref()
+                    .filter(|joints| joints.iter().all(|(joint, _)| is_single(joint)));
+                let joints = joints.ok_or(Inert::Transmission("a `<spatial>` tendon"))?;
+                let force = Range::of(&tendon.item, "actuatorfrclimited", "actuatorfrcrange");
+                let model = &self.models[tendon.item.model];
+                let index = *tendon.index.get_or_insert_with(|| {
+                    let joints =
+                        joints.iter().map(|&(link, coefficient)| TendonJoint { link, coefficient });
+                    self.description.actuation.tendons.push(FixedTendon {
+                        name,
+                        joints: joints.collect(),
+                        offset: 0.0,
+                        force_range: force.limits(model),
+                    });
+                    self.description.actuation.tendons.len() - 1
+                });
+                Ok(Transmission::Tendon(index))
+            }
+            "cranksite" => Err(Inert::Transmission("a slider-crank")),
+            "site" => Err(Inert::Transmission("a site")),
+            _ => Err(Inert::Transmission("contacts of a body")),
+        }
+    }
+
+    /// Reports an actuator whose joint or tendon does not exist; a part of an attached model may
+    /// lack it.
+    fn refuse_target(&mut self, item: &Item<'e>, law: &ActuatorLaw<'e>) {
+        if !item.naming.prefix.is_empty() {
+            return;
+        }
+        let element = item.element();
+        let (message, help) = match law.target {
+            None => (
+                format!("`<{}>` moves no joint", element.name),
+                "write the attribute `joint` or `tendon`",
+            ),
+            Some((attribute, name)) => (
+                format!(
+                    "`{attribute}` of `<{}>` is `{}`, which does not exist",
+                    element.name,
+                    item.naming.name(name)
+                ),
+                "name a joint of a body, or a tendon",
+            ),
+        };
+        self.report.error(Code::NotRead, element.at, None, message, help);
+    }
+
+    /// Returns the largest force of an actuator on its joint, if it is the same in both directions.
+    fn largest_force(&self, item: &Item<'e>, law: &ActuatorLaw<'e>) -> Option<f64> {
+        let model = &self.models[item.model];
+        // The force is a multiple of the control.
+        let is_motor =
+            [law.gain_type, law.bias_type, law.dynamics_type] == ["fixed", "none", "none"];
+        let clamps = self.models[0].settings.flags.clamps_controls;
+        let gain = (is_motor && clamps && item.element().name != "plugin").then_some(law.gain[0]);
+        let bounds = [(law.force, Some(1.0)), (law.control, gain)].into_iter();
+        let bounds = bounds.filter_map(|(range, factor)| {
+            let [low, high] = range.limits(model)?;
+            (-low == high && high > 0.0).then_some(high * factor?.abs())
+        });
+        bounds.reduce(f64::min).map(|bound| bound * law.gear.abs())
+    }
+
+    /// Sets the effort limits of joints without one.
+    fn set_efforts(&mut self, efforts: Vec<Option<f64>>) {
         for (joint, effort) in self.description.joints.iter_mut().zip(efforts) {
             let effort = effort.filter(|effort| *effort > 0.0 && *effort < MAX_NUMBER);
             let none = Limits { lower: None, upper: None, velocity: None, effort: None };
@@ -114,79 +212,203 @@ impl<'e> Bodies<'e, '_, '_> {
                 joint.limits = Some(Limits { effort, ..joint.limits.unwrap_or(none) });
             }
         }
-        for (name, LawOfActuators { mut places, force }) in laws {
-            places.sort_by_key(|(at, _)| *at);
-            let message = format!(
-                "the law of the actuator ({name}) does not act: the dynamics have the joint force \
-                 as an argument"
-            );
-            let help = format!(
-                "compute the force, {force}, within `forcerange`, and pass it as `tau`{}",
-                if places.iter().any(|(_, joint)| joint.is_none()) { TRANSMISSION } else { "" }
-            );
-            self.report.warn_once(Code::NotRead, &places, &message, &help);
-        }
-        let message = "the forces of `<adhesion>` at contacts are not read";
-        let help = "apply them as external wrenches";
-        self.report.warn_once(Code::NotRead, &on_contacts, message, help);
     }
 
-    /// Returns the largest force of an actuator on its joint, if it is the same in both directions.
-    fn largest_force(&self, item: &Item<'e>) -> Option<f64> {
+    /// Replaces damping ratios by the damping, which follows from the inertia at the actuator in the
+    /// pose in which the model is drawn. Constraints of `<equality>` do not count.
+    fn resolve_damping_ratios(&mut self, described: &mut [Described<'e>]) {
+        let has_ratio = |actuator: &Described<'e>| actuator.law.damping_ratio().is_some();
+        let Some(first) = described.iter().find(|actuator| has_ratio(actuator)) else { return };
+        let at = first.item.element().at;
+        if self.report.errors() > 0 {
+            return;
+        }
+        let servos = described.iter().filter(|actuator| has_ratio(actuator));
+        let moments: Vec<Vec<(usize, f64)>> =
+            servos.map(|actuator| self.moments(actuator).collect()).collect();
+        let Some(inertias) = self.inertias_at(&moments) else {
+            let message = format!(
+                "the inertia at an actuator with `dampratio` is not known, or more than \
+                 {MAX_SPRING_DAMPERS} actuators have one"
+            );
+            let help =
+                "repair the other errors; if there are none, write `kv` in place of `dampratio`";
+            self.report.error(Code::NotRead, at, None, message, help);
+            return;
+        };
+        let servos = described.iter_mut().filter(|actuator| has_ratio(actuator));
+        for (Described { law, .. }, inertia) in servos.zip(inertias) {
+            law.bias[2] *= -2.0 * libm::sqrt(law.gain[0] * inertia);
+        }
+    }
+
+    /// Returns the joints that an actuator moves, each with its force per unit of the actuator's.
+    fn moments(&self, actuator: &Described<'e>) -> impl Iterator<Item = (usize, f64)> {
+        let gear = actuator.law.gear;
+        let (single, several) = match actuator.transmission {
+            Transmission::Joint(joint) => (Some((joint, gear)), &[][..]),
+            Transmission::Tendon(tendon) => {
+                (None, &self.description.actuation.tendons[tendon].joints[..])
+            }
+        };
+        let several = several.iter().map(move |joint| (joint.link, gear * joint.coefficient));
+        single.into_iter().chain(several)
+    }
+
+    /// Returns the inertia at each of these actuators, given the joints that it moves and their
+    /// moments: how its force opposes the acceleration of its length. `None` if it is not known.
+    fn inertias_at(&self, actuators: &[Vec<(usize, f64)>]) -> Option<Vec<f64>> {
+        let model = self.free_model()?;
+        let links = model.links().len();
+        if actuators.len() > MAX_SPRING_DAMPERS || actuators.len() * links > MAX_ACCELERATIONS {
+            return None;
+        }
+        let q = model.keyframes().first().map(|drawn| drawn.q.clone())?;
+        let records = model.links().iter().enumerate();
+        let places: HashMap<String, usize> = records
+            .map(|(link, record)| (record.joint.name.clone(), model.v_range(link).start))
+            .collect();
+        let still = vec![0.0; model.nv()];
+        let mut qdd = still.clone();
+        let mut robot = Interpreter::<f64>::new(model);
+        let inertia = |moments: &Vec<(usize, f64)>| {
+            let name = |joint: usize| self.description.joints[joint].name.text.as_str();
+            let places =
+                moments.iter().map(|&(joint, moment)| Some((places.get(name(joint))?, moment)));
+            let moments: Vec<(&usize, f64)> = places.collect::<Option<_>>()?;
+            let mut tau = still.clone();
+            moments.iter().for_each(|&(&place, moment)| tau[place] += moment);
+            robot.forward_dynamics(&q, &still, &tau, &mut qdd).ok()?;
+            let inverse: f64 = moments.iter().map(|&(&place, moment)| moment * qdd[place]).sum();
+            inverse.is_finite().then(|| 1.0 / inverse.max(LEAST))
+        };
+        actuators.iter().map(inertia).collect()
+    }
+
+    /// Adds an actuator to the description.
+    fn add_actuator(
+        &mut self,
+        Described { item, mut law, transmission }: Described<'e>,
+        targets: &Targets<'e>,
+        taken: &mut TakenNames,
+    ) {
+        let element = item.element();
+        let target = self.target_name(transmission).to_owned();
+        if law.inheriting().is_some() {
+            self.inherit_range(&item, &mut law, transmission, targets);
+        }
+        let flags = self.models[0].settings.flags;
         let model = &self.models[item.model];
-        let first =
-            |name| item.text(name).and_then(list).and_then(|numbers| numbers.first().copied());
-        let gear = first("gear").unwrap_or(1.0);
-        // The force is a multiple of the control.
-        let described = match item.element().name.as_str() {
-            "motor" => Some(1.0),
-            "general" if is_motor(item) => Some(first("gainprm").unwrap_or(1.0)),
+        let [control, force, activation] =
+            [law.control, law.force, law.activation].map(|range| range.limits(model));
+        let is_empty = |range: Option<[f64; 2]>| range.is_some_and(|[low, high]| low >= high);
+        let has_activation = law.dynamics_type != "none";
+        if is_empty(control) || is_empty(force) || has_activation && is_empty(activation) {
+            let message = "the range of a control, a force or an activation is empty";
+            let help = "write the lower bound, then the upper bound above it";
+            let subject = Subject::Joint(target.clone());
+            self.report.error(Code::InvertedLimits, element.at, Some(&subject), message, help);
+            return;
+        }
+        let time = law.time_constant.max(0.0);
+        let dynamics = match law.dynamics_type {
+            "integrator" => Some(ActivationDynamics::Integrator),
+            "filter" => Some(ActivationDynamics::Filter(time)),
+            "filterexact" => Some(ActivationDynamics::ExactFilter(time)),
             _ => None,
         };
-        let gain = described.filter(|_| self.models[0].settings.flags.clamps_controls);
-        let ranges =
-            [("forcelimited", "forcerange", Some(1.0)), ("ctrllimited", "ctrlrange", gain)];
-        let bounds = ranges.into_iter().filter_map(|(limited, range, factor)| {
-            let [lower, upper]: [f64; 2] = item.numbers(range)?;
-            (is_limited(item, limited, range, model) && -lower == upper && upper > 0.0)
-                .then_some(upper * factor?.abs())
+        let is_disabled = self.models[0].settings.disabled_groups.contains(&law.group);
+        let name = match item.name() {
+            Some(name) => name,
+            None => taken.unique(&target, "actuator"),
+        };
+        let affine = |[constant, length, velocity]: [f64; 3], acts: bool| match acts {
+            true => AffineLaw { constant, length, velocity },
+            false => AffineLaw { constant, ..AffineLaw::default() },
+        };
+        self.description.actuation.actuators.push(Actuator {
+            name,
+            transmission,
+            gear: law.gear,
+            gain: affine(law.gain, law.gain_type == "affine"),
+            bias: match law.bias_type {
+                "affine" => affine(law.bias, true),
+                _ => AffineLaw::default(),
+            },
+            control_range: control.filter(|_| flags.clamps_controls),
+            force_range: force,
+            activation: dynamics.map(|dynamics| Activation {
+                dynamics,
+                range: activation,
+                early: law.early,
+            }),
+            enabled: flags.actuation && !is_disabled,
         });
-        bounds.reduce(f64::min).map(|bound| bound * gear.abs())
     }
-}
 
-const TRANSMISSION: &str = "; for an actuator of a tendon, site or crank, `gear * q` is its \
-                            length, and the force acts along it";
-
-/// Returns the type of a part of a `<general>`: `dyntype`, `gaintype` or `biastype`.
-fn kind<'e>(item: &Item<'e>, part: &str, default: &'static str) -> &'e str {
-    item.text(part).unwrap_or(default)
-}
-
-/// Returns whether the force of a `<general>` is a multiple of its control, like the force of a
-/// `<motor>`, which MuJoCo saves so.
-fn is_motor(item: &Item) -> bool {
-    let kinds = [("dyntype", "none"), ("gaintype", "fixed"), ("biastype", "none")];
-    kinds.into_iter().all(|(part, default)| kind(item, part, default) == default)
-}
-
-/// Returns the law of an actuator; `None` if its force is a multiple of its control or of its
-/// activation.
-fn law(item: &Item) -> Option<Law> {
-    let name = item.element().name.as_str();
-    if name != "general" {
-        let (_, force) = LAWS.iter().find(|(known, _)| *known == name)?;
-        return Some(Law { name: format!("`<{name}>`"), force });
+    /// Returns the name of the joint or tendon that an actuator moves.
+    fn target_name(&self, transmission: Transmission) -> &str {
+        match transmission {
+            Transmission::Joint(joint) => &self.description.joints[joint].name.text,
+            Transmission::Tendon(tendon) => &self.description.actuation.tendons[tendon].name,
+        }
     }
-    let gain = kind(item, "gaintype", "fixed");
-    let bias = kind(item, "biastype", "none");
-    let force = match (gain, bias) {
-        ("fixed", "none") => return None,
-        ("fixed", "affine") => AFFINE_BIAS,
-        ("affine", "none" | "affine") => AFFINE_GAIN,
-        ("muscle", _) | (_, "muscle") => MUSCLE,
-        _ => OTHER,
-    };
-    let name = format!("`<general>` with `gaintype=\"{gain}\"` and `biastype=\"{bias}\"`");
-    Some(Law { name, force })
+
+    /// Sets the range that follows from the range of the joint or tendon.
+    fn inherit_range(
+        &mut self,
+        item: &Item<'e>,
+        law: &mut ActuatorLaw<'e>,
+        transmission: Transmission,
+        targets: &Targets<'e>,
+    ) {
+        let name = self.target_name(transmission).to_owned();
+        let range = match transmission {
+            Transmission::Joint(joint) => {
+                let limits = self.description.joints[joint].limits;
+                limits.and_then(|limits| Some([limits.lower?, limits.upper?]))
+            }
+            Transmission::Tendon(_) => {
+                targets.tendons.get(&name).and_then(|tendon| tendon.item.numbers("range"))
+            }
+        };
+        let Some([low, high]) = range.filter(|[low, high]| low != high) else {
+            let message = "the actuator has `inheritrange`, and the joint or tendon no range";
+            let help = "write the `range` of the joint or tendon, or `ctrlrange`";
+            let subject = Subject::Joint(name);
+            let at = item.element().at;
+            self.report.error(Code::NotRead, at, Some(&subject), message, help);
+            return;
+        };
+        let center = 0.5 * (high + low);
+        let radius = 0.5 * (high - low) * law.inherited_range;
+        if let Some(inherited) = law.inheriting() {
+            inherited.bounds = [center - radius, center + radius];
+        }
+    }
+
+    /// Lets transmissions know the coordinates of joints that constraints of `<equality>` hold.
+    pub fn hold_transmissions(&mut self) {
+        if self.held.is_empty() {
+            return;
+        }
+        let actuation = &mut self.description.actuation;
+        for tendon in &mut actuation.tendons {
+            let held = |joint: &TendonJoint| self.held.get(&joint.link);
+            let offsets =
+                tendon.joints.iter().filter_map(|joint| Some(joint.coefficient * held(joint)?));
+            tendon.offset += offsets.sum::<f64>();
+            tendon.joints.retain(|joint| held(joint).is_none());
+        }
+        let mut taken =
+            TakenNames::new(actuation.tendons.iter().map(|tendon| tendon.name.as_str()));
+        for actuator in &mut actuation.actuators {
+            let Transmission::Joint(joint) = actuator.transmission else { continue };
+            let Some(&offset) = self.held.get(&joint) else { continue };
+            let name = taken.unique(&self.description.joints[joint].name.text, "tendon");
+            actuator.transmission = Transmission::Tendon(actuation.tendons.len());
+            let tendon = FixedTendon { name, joints: Vec::new(), offset, force_range: None };
+            actuation.tendons.push(tendon);
+        }
+    }
 }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::rc::Rc;
 
 use modyn_runtime::conventions::{quaternion_from_rotation, rotation_from_quaternion};
-use modyn_runtime::model::Inertial;
+use modyn_runtime::model::{Actuation, Inertial};
 use modyn_runtime::spatial::Pose;
 
 use super::contact_law::{self, Place};
@@ -41,6 +41,8 @@ pub struct Bodies<'e, 'r, 'f> {
     pub sites: BTreeMap<String, (usize, Pose<f64>, usize)>,
     /// For each joint of the description, its coordinate in the pose in which the model is drawn.
     pub drawn: Vec<f64>,
+    /// For each joint of the description that a constraint holds, by its index, its coordinate.
+    pub held: BTreeMap<usize, f64>,
     /// For each free joint of the description, by its index, its coordinates in the pose in which
     /// the model is drawn.
     pub free_poses: BTreeMap<usize, [f64; 7]>,
@@ -108,6 +110,7 @@ impl<'e, 'r, 'f> Bodies<'e, 'r, 'f> {
             loops: Vec::new(),
             contacts: Vec::new(),
             keyframes: Vec::new(),
+            actuation: Actuation::default(),
             shape_notes: Vec::new(),
             soft: None,
             softnesses: Vec::new(),
@@ -122,6 +125,7 @@ impl<'e, 'r, 'f> Bodies<'e, 'r, 'f> {
             sites: BTreeMap::new(),
             drawn: Vec::new(),
             has_shapes: options.shapes,
+            held: BTreeMap::new(),
             free_poses: BTreeMap::new(),
             spring_dampers: Vec::new(),
             attached: vec![(0, naming.clone())],

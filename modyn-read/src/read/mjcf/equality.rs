@@ -68,7 +68,7 @@ impl Sum {
 
 /// Returns the joints of a fixed tendon and their coefficients; `None` for another tendon, or if a
 /// joint does not exist.
-fn fixed_tendon(tendon: &Item, joints: &HashMap<String, usize>) -> Option<Vec<(usize, f64)>> {
+pub fn fixed_tendon(tendon: &Item, joints: &HashMap<String, usize>) -> Option<Vec<(usize, f64)>> {
     if tendon.element().name != "fixed" {
         return None;
     }
@@ -185,6 +185,7 @@ impl<'e> Bodies<'e, '_, '_> {
                 let moved = displacement(joint.kind, joint.axis, drawn + constant);
                 joint.origin = joint.origin.compose(&moved);
                 joint.kind = Kind::Fixed;
+                self.held.insert(follower, drawn + constant);
             }
         }
     }

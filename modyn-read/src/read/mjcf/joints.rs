@@ -12,7 +12,7 @@ use super::settings::Flags;
 use crate::description::{
     JointRecord, Kind, Located, MAX_NUMBER, SpringRecord, UNLIMITED, normalized,
 };
-use crate::diagnostics::{Code, Report, Severity, Subject};
+use crate::diagnostics::{Code, Report, Subject};
 
 /// Returns whether a joint is free.
 pub fn is_free(joint: &Item) -> bool {
@@ -67,7 +67,11 @@ pub fn joint(
     let kind = if is_free(item) { "free" } else { item.text("type").unwrap_or("hinge") };
     let single = matches!(kind, "hinge" | "slide");
     let angle = if kind == "hinge" { model.settings.angle } else { 1.0 };
-    let effort = if single { effort(item, model, &subject, report) } else { None };
+    let actuator_forces =
+        if single { actuator_forces(item, model, &subject, report) } else { None };
+    // The bound of a symmetric range.
+    let effort = actuator_forces.filter(|[lower, upper]| -lower == *upper && *upper < MAX_NUMBER);
+    let effort = effort.map(|[_, upper]| upper);
     let mut refuse = |code, message: &str, help: &str| {
         report.error(code, at, Some(&subject), message, help);
     };
@@ -141,7 +145,8 @@ pub fn joint(
     let kind = Kind::Moving(joint_type);
     let record = fixed(name.into(), at);
     let reference = if single { angle * item.number("ref").unwrap_or(0.0) } else { 0.0 };
-    (JointRecord { kind, axis, limits, dynamics, spring, sound, ..record }, reference)
+    let record = JointRecord { kind, axis, limits, dynamics, spring, sound, ..record };
+    (JointRecord { actuator_forces, ..record }, reference)
 }
 
 /// Returns the time constant, s, and the damping ratio from which stiffness and damping of a joint
@@ -182,23 +187,26 @@ pub fn is_limited(item: &Item, limited: &str, range: &str, model: &Model) -> boo
     }
 }
 
-/// Returns the largest force of a joint, N m or N, which is the bound of a symmetric
-/// `actuatorfrcrange`.
-fn effort(item: &Item, model: &Model, subject: &Subject, report: &mut Report<'_>) -> Option<f64> {
-    let [lower, upper] = item.numbers("actuatorfrcrange")?;
-    if !is_limited(item, "actuatorfrclimited", "actuatorfrcrange", model)
-        || lower == 0.0 && upper == 0.0
-    {
+/// Returns the range of the sum of actuator forces on a joint, N m or N; `None` without a limit.
+fn actuator_forces(
+    item: &Item,
+    model: &Model,
+    subject: &Subject,
+    report: &mut Report<'_>,
+) -> Option<[f64; 2]> {
+    let range: [f64; 2] = item.numbers("actuatorfrcrange")?;
+    let limits = is_limited(item, "actuatorfrclimited", "actuatorfrcrange", model);
+    if !limits || range == [0.0; 2] || !model.settings.flags.actuation {
         return None;
     }
-    if -lower == upper && upper > 0.0 && upper < MAX_NUMBER {
-        return Some(upper);
+    let [lower, upper] = range;
+    if lower >= upper {
+        let message = "its `actuatorfrcrange` is empty";
+        let help = "write the lower bound, then the upper bound above it";
+        report.error(Code::InvertedLimits, item.element().at, Some(subject), message, help);
+        return None;
     }
-    let message = "its `actuatorfrcrange` is not read";
-    let help = "write the same limit for both directions, as `actuatorfrcrange=\"-20 20\"`, or limit the joint force \
-                where it is computed";
-    report.add(Severity::Warning, Code::NotRead, item.element().at, Some(subject), message, help);
-    None
+    Some(range)
 }
 
 /// Returns the displacement of a joint by its coordinate.
@@ -229,6 +237,7 @@ pub fn fixed(name: String, at: usize) -> JointRecord {
         mimic: None,
         dynamics: JointDynamics::default(),
         spring: None,
+        actuator_forces: None,
         dynamics_at: at,
         sound: true,
     }

@@ -7,6 +7,7 @@
 //! `table` has all elements and attributes: which are read, which have no effect on the equations
 //! of motion, and which are refused.
 
+mod actuator_law;
 mod actuators;
 mod bodies;
 mod check;
@@ -16,6 +17,7 @@ mod element;
 mod equality;
 mod forces;
 mod geoms;
+mod inert_actuators;
 mod inertia;
 mod item;
 mod joints;
@@ -51,13 +53,14 @@ pub fn describe(text: &str, options: &ReadOptions, report: &mut Report<'_>) -> O
     let mut bodies = bodies::Bodies::read(&sources, options, report);
     bodies.keyframes();
     bodies.spring_dampers();
+    bodies.actuators();
     if options.base == Base::Fixed {
         bodies.fix_base();
     }
     bodies.equality();
+    bodies.hold_transmissions();
     bodies.fluids(options.unread_forces);
     bodies.tendons(options.unread_forces);
-    bodies.actuators();
     bodies.soft_constraints();
     let mut description = bodies.description;
     let error = description.gravity.and_then(gravity_error).filter(|_| options.gravity.is_none());

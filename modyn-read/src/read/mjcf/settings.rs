@@ -33,6 +33,8 @@ pub struct Settings<'e> {
     /// Whether only the last part of a mesh's path counts.
     pub strip_path: bool,
     pub gravity: [f64; 3],
+    /// The groups of actuators that do not act.
+    pub disabled_groups: Vec<f64>,
     pub flags: Flags,
     /// The cone of contacts' forces.
     pub cone: Cone,
@@ -156,6 +158,9 @@ impl<'e> Settings<'e> {
             } else {
                 gravity.unwrap_or([0.0, 0.0, -9.81])
             },
+            disabled_groups: last("option", "actuatorgroupdisable")
+                .and_then(|attribute| list(&attribute.value))
+                .unwrap_or_default(),
             // MuJoCo before 3.4 has one switch of springs and dampers.
             flags: Flags {
                 springs: !disabled("spring") && !disabled("passive"),

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use modyn_runtime::Interpreter;
-use modyn_runtime::model::{Friction, Inertial, Model};
+use modyn_runtime::model::{Actuation, Friction, Inertial, Model};
 
 use super::bodies::Bodies;
 use crate::assemble::assemble;
@@ -12,11 +12,11 @@ use crate::diagnostics::{Code, Report, Severity};
 
 /// The largest number of joints with `springdamper`: each takes one evaluation of the forward
 /// dynamics.
-const MAX_SPRING_DAMPERS: usize = 1_000;
+pub const MAX_SPRING_DAMPERS: usize = 1_000;
 
 /// The largest number of accelerations that are computed: all joints have one for each joint with
 /// `springdamper`.
-const MAX_ACCELERATIONS: usize = 10_000_000;
+pub const MAX_ACCELERATIONS: usize = 10_000_000;
 
 /// The least positive number by which MuJoCo divides.
 const LEAST: f64 = 1e-15;
@@ -101,9 +101,10 @@ impl Bodies<'_, '_, '_> {
 
     /// Returns the model without gravity, springs and constraints, whose keyframe is the pose in
     /// which it is drawn.
-    fn free_model(&self) -> Option<Model> {
+    pub fn free_model(&self) -> Option<Model> {
         let mut description = self.description.clone();
         description.compensated.clear();
+        description.actuation = Actuation::default();
         for joint in &mut description.joints {
             joint.spring = None;
         }

@@ -121,12 +121,13 @@ const TABLE: &[Row] = &[
                 ("o_solref", UpTo(2)),
                 ("o_solimp", UpTo(5)),
                 ("o_friction", UpTo(5)),
+                ("actuatorgroupdisable", Any),
             ],
             "timestep apirate tolerance ls_tolerance noslip_tolerance mpr_tolerance \
              ccd_tolerance sleep_tolerance wind \
              magnetic integrator collision jacobian solver iterations \
              ls_iterations noslip_iterations mpr_iterations ccd_iterations sdf_iterations \
-             sdf_initpoints actuatorgroupdisable",
+             sdf_initpoints",
         ),
     },
     Row {
@@ -389,8 +390,12 @@ const TABLE: &[Row] = &[
                 ("damping", POLYNOMIAL),
                 ("frictionloss", Exactly(1)),
                 ("armature", Exactly(1)),
+                ("name", Text),
+                ("range", Exactly(2)),
+                ("actuatorfrclimited", AUTO),
+                ("actuatorfrcrange", Exactly(2)),
             ],
-            "name group limited actuatorfrclimited range actuatorfrcrange solreflimit solimplimit solreffriction \
+            "group limited solreflimit solimplimit solreffriction \
              solimpfriction springlength springyield width material margin rgba user",
         ),
     },
@@ -489,18 +494,38 @@ const TABLE: &[Row] = &[
         names: ACTUATORS,
         treatment: Treatment::Read(
             &[
+                ("name", Text),
                 ("class", Text),
                 ("joint", Text),
                 ("jointinparent", Text),
+                ("tendon", Text),
+                ("site", Text),
+                ("cranksite", Text),
+                ("body", Text),
+                ("group", Exactly(1)),
                 ("dyntype", Text),
                 ("gaintype", Text),
                 ("biastype", Text),
+                ("dynprm", Any),
                 ("gainprm", Any),
+                ("biasprm", Any),
                 ("gear", UpTo(6)),
                 ("ctrllimited", AUTO),
                 ("ctrlrange", Exactly(2)),
                 ("forcelimited", AUTO),
                 ("forcerange", Exactly(2)),
+                ("actlimited", AUTO),
+                ("actrange", Exactly(2)),
+                ("actearly", BOOL),
+                ("delay", Exactly(1)),
+                ("kp", Exactly(1)),
+                ("kv", Exactly(1)),
+                ("dampratio", Exactly(1)),
+                ("timeconst", UpTo(2)),
+                ("inheritrange", Exactly(1)),
+                ("area", Exactly(1)),
+                ("diameter", Exactly(1)),
+                ("bias", Exactly(3)),
                 ("damping", Zero("move it to the `<joint>`")),
                 ("armature", Zero("move it to the `<joint>`")),
             ],
@@ -536,5 +561,5 @@ pub const ACTUATORS: &[&str] = &[
     "plugin",
 ];
 
-/// The attributes of actuators about signals, which are not part of the equations of motion.
+/// The other attributes of actuators: those of laws that do not act.
 const ACTUATOR_ATTRIBUTES: &str = "*";

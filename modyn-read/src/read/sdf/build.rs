@@ -4,7 +4,7 @@
 use std::collections::HashSet;
 
 use modyn_runtime::joint::JointType;
-use modyn_runtime::model::{Inertial, JointDynamics, Limits, LoopConstraintKind};
+use modyn_runtime::model::{Actuation, Inertial, JointDynamics, Limits, LoopConstraintKind};
 use modyn_runtime::spatial::Pose;
 use rustc_hash::FxHashMap;
 
@@ -48,6 +48,7 @@ pub fn describe(
         loops: Vec::new(),
         contacts: Vec::new(),
         keyframes: Vec::new(),
+        actuation: Actuation::default(),
         shape_notes: world.shape_notes.clone(),
         soft: None,
         softnesses: Vec::new(),
@@ -207,6 +208,7 @@ impl Build<'_, '_, '_> {
             mimic: None,
             dynamics: JointDynamics::default(),
             spring: None,
+            actuator_forces: None,
             dynamics_at: at,
             sound: true,
         }

@@ -55,6 +55,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
             mimic: None,
             dynamics: JointDynamics::default(),
             spring: None,
+            actuator_forces: None,
             dynamics_at: node.range().start,
             sound: true,
         };

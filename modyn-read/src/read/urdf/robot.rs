@@ -1,6 +1,7 @@
 //! Reads the `<robot>` with all its elements, in order.
 
 use modyn_runtime::joint::JointType;
+use modyn_runtime::model::Actuation;
 use roxmltree::Node;
 
 use super::reader::Reader;
@@ -54,6 +55,7 @@ pub fn read(robot: Node, options: &ReadOptions, report: &mut Report<'_>) -> Desc
         loops: Vec::new(),
         contacts: Vec::new(),
         keyframes: Vec::new(),
+        actuation: Actuation::default(),
         shape_notes: Vec::new(),
         soft: None,
         softnesses: Vec::new(),

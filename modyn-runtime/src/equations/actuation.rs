@@ -1,0 +1,251 @@
+//! The joint forces of actuators, and their activations after a step, by `MuJoCo`'s laws.
+
+use alloc::{vec, vec::Vec};
+
+use crate::Scalar;
+use crate::model::{
+    Activation, ActivationDynamics, Actuation, Actuator, AffineLaw, JointForceRange, Model,
+    TendonJoint, Transmission,
+};
+use crate::scalar::{at_least, at_most};
+
+/// The least time constant of an activation, s: `MuJoCo`'s `mjMINVAL`.
+const LEAST_TIME: f64 = 1e-15;
+
+/// The state and the input of a robot's actuators.
+#[derive(Clone, Copy, Debug)]
+pub struct ActuatorInput<'a, S> {
+    /// The coordinates.
+    pub q: &'a [S],
+    /// The velocities.
+    pub qd: &'a [S],
+    /// The controls.
+    pub ctrl: &'a [S],
+    /// The activations.
+    pub act: &'a [S],
+    /// The time of the step, s.
+    pub dt: S,
+}
+
+/// The results of [`actuate`].
+#[derive(Debug)]
+pub struct ActuatorOutputs<'a, S> {
+    /// The joint forces, N m or N.
+    pub tau: &'a mut [S],
+    /// The activations after the step.
+    pub act: &'a mut [S],
+}
+
+/// The memory of [`actuate`].
+#[derive(Clone, Debug)]
+pub struct ActuationWorkspace<S> {
+    /// The force of each actuator.
+    forces: Vec<S>,
+    /// The force of the actuators on the joint of each moving link.
+    joint_forces: Vec<S>,
+}
+
+impl<S: Scalar> ActuationWorkspace<S> {
+    /// Returns the memory for a model.
+    #[must_use]
+    pub fn new(model: &Model) -> Self {
+        Self {
+            forces: vec![S::zero(); model.actuation().actuators.len()],
+            joint_forces: vec![S::zero(); model.links().len()],
+        }
+    }
+}
+
+/// The length of a transmission, and its rate.
+#[derive(Clone, Copy)]
+struct Length<S> {
+    length: S,
+    velocity: S,
+}
+
+/// Computes the joint forces of the actuators, and their activations after the step.
+pub fn actuate<S: Scalar>(
+    model: &Model,
+    input: ActuatorInput<'_, S>,
+    workspace: &mut ActuationWorkspace<S>,
+    outputs: ActuatorOutputs<'_, S>,
+) {
+    let ActuatorOutputs { tau, act: next } = outputs;
+    let ActuationWorkspace { forces, joint_forces } = workspace;
+    let Actuation { actuators, tendons, joint_force_ranges } = model.actuation();
+    let mut activations = input.act.iter().zip(next);
+    for ((actuator, &ctrl), force) in actuators.iter().zip(input.ctrl).zip(&mut *forces) {
+        let control = clamped(ctrl, actuator.control_range);
+        let signal = match &actuator.activation {
+            None => control,
+            Some(activation) => {
+                let Some((&act, next)) = activations.next() else { break };
+                let follows = actuator.enabled.then_some(control);
+                *next = next_activation(activation, act, follows, input.dt);
+                if activation.early { *next } else { act }
+            }
+        };
+        *force = match actuator.enabled {
+            true => unlimited_force(actuator, signal, actuator_length(model, actuator, input)),
+            false => S::zero(),
+        };
+    }
+    for (index, tendon) in tendons.iter().enumerate() {
+        if let Some(range) = tendon.force_range {
+            limit_tendon(actuators, Transmission::Tendon(index), range, forces);
+        }
+    }
+    joint_forces.fill(S::zero());
+    for (actuator, force) in actuators.iter().zip(forces) {
+        let force = clamped(*force, actuator.force_range);
+        for TendonJoint { link, coefficient } in joints(model, actuator) {
+            let moment = S::from_f64(actuator.gear * coefficient);
+            joint_forces[link] = moment.mul_add(force, joint_forces[link]);
+        }
+    }
+    for &JointForceRange { link, range } in joint_force_ranges {
+        joint_forces[link] = clamped(joint_forces[link], Some(range));
+    }
+    tau.fill(S::zero());
+    for (link, &force) in joint_forces.iter().enumerate() {
+        let velocities = model.v_range(link);
+        if velocities.len() == 1 {
+            // The force on a mimic joint acts on its leader.
+            let tau = &mut tau[velocities.start];
+            *tau = match model.mimic(link) {
+                None => *tau + force,
+                Some(mimic) => S::from_f64(mimic.multiplier).mul_add(force, *tau),
+            };
+        }
+    }
+}
+
+/// Returns the joints that an actuator moves, each with the length of the transmission per unit of
+/// the joint's coordinate.
+fn joints<'a>(model: &'a Model, actuator: &Actuator) -> impl Iterator<Item = TendonJoint> + 'a {
+    let (single, several) = match actuator.transmission {
+        Transmission::Joint(link) => (Some(TendonJoint { link, coefficient: 1.0 }), &[][..]),
+        Transmission::Tendon(tendon) => (None, &model.actuation().tendons[tendon].joints[..]),
+    };
+    single.into_iter().chain(several.iter().copied())
+}
+
+/// Returns the length of an actuator, and its rate.
+fn actuator_length<S: Scalar>(
+    model: &Model,
+    actuator: &Actuator,
+    input: ActuatorInput<'_, S>,
+) -> Length<S> {
+    let offset = match actuator.transmission {
+        Transmission::Joint(_) => 0.0,
+        Transmission::Tendon(tendon) => actuator.gear * model.actuation().tendons[tendon].offset,
+    };
+    let mut sum = Length { length: S::from_f64(offset), velocity: S::zero() };
+    for TendonJoint { link, coefficient } in joints(model, actuator) {
+        let mut coordinate = input.q[model.q_range(link).start];
+        let mut rate = input.qd[model.v_range(link).start];
+        if let Some(mimic) = model.mimic(link) {
+            let multiplier = S::from_f64(mimic.multiplier);
+            coordinate = multiplier.mul_add(coordinate, S::from_f64(mimic.offset));
+            rate = multiplier * rate;
+        }
+        let factor = S::from_f64(actuator.gear * coefficient);
+        sum.length = factor.mul_add(coordinate, sum.length);
+        sum.velocity = factor.mul_add(rate, sum.velocity);
+    }
+    sum
+}
+
+/// Returns the force of an actuator before it is clamped.
+fn unlimited_force<S: Scalar>(actuator: &Actuator, signal: S, length: Length<S>) -> S {
+    let bias = affine(&actuator.bias, length);
+    affine(&actuator.gain, length).mul_add(signal, bias)
+}
+
+/// Returns the number of an affine law. Terms with the factor zero are left out, so that a length
+/// that is not finite has no effect on a law without it.
+fn affine<S: Scalar>(law: &AffineLaw, at: Length<S>) -> S {
+    let AffineLaw { constant, length, velocity } = *law;
+    let mut sum = S::from_f64(constant);
+    for (factor, number) in [(length, at.length), (velocity, at.velocity)] {
+        if factor != 0.0 {
+            sum = S::from_f64(factor).mul_add(number, sum);
+        }
+    }
+    sum
+}
+
+/// Scales the forces of the actuators on a tendon such that their sum is in a range, which contains
+/// zero.
+fn limit_tendon<S: Scalar>(
+    actuators: &[Actuator],
+    tendon: Transmission,
+    [low, high]: [f64; 2],
+    forces: &mut [S],
+) {
+    let is_on = |actuator: &&Actuator| actuator.transmission == tendon;
+    let on_tendon = actuators.iter().zip(&*forces).filter(|(actuator, _)| is_on(actuator));
+    let sum = on_tendon.fold(S::zero(), |sum, (_, &force)| sum + force);
+    let factor = share(-sum, -low) * share(sum, high);
+    for (actuator, force) in actuators.iter().zip(forces) {
+        if is_on(&actuator) {
+            *force = factor * *force;
+        }
+    }
+}
+
+/// Returns the factor that scales a sum above the bound, which is not negative, to the bound.
+fn share<S: Scalar>(sum: S, bound: f64) -> S {
+    if bound == 0.0 {
+        return (-sum).select_nonnegative(S::one(), S::zero());
+    }
+    let bound = S::from_f64(bound);
+    bound / at_least(sum, bound)
+}
+
+/// Returns an activation after a step; the control is `None` if the actuator does not act.
+fn next_activation<S: Scalar>(activation: &Activation, act: S, control: Option<S>, dt: S) -> S {
+    let next = match (activation.dynamics, control) {
+        (_, None) => act,
+        (ActivationDynamics::Integrator, Some(control)) => dt.mul_add(control, act),
+        (ActivationDynamics::Filter(time), Some(control)) => {
+            let rate = (control - act) / S::from_f64(time.max(LEAST_TIME));
+            dt.mul_add(rate, act)
+        }
+        (ActivationDynamics::ExactFilter(time), Some(control)) => {
+            let share = approached(dt / S::from_f64(time.max(LEAST_TIME)));
+            share.mul_add(control - act, act)
+        }
+    };
+    clamped(next, activation.range)
+}
+
+/// Returns 1 - exp(-x) of a number that is not negative: the share of the distance to its control
+/// that an activation moves in x time constants.
+///
+/// The Taylor series of exp(y) - 1 at y = -x / 512 is doubled nine times, by exp(2 y) - 1 = (exp(y)
+/// - 1) (exp(y) + 1). Each doubling makes the relative error smaller.
+fn approached<S: Scalar>(x: S) -> S {
+    // Beyond, the result is 1 in double precision.
+    const MOST: f64 = 40.0;
+    const DOUBLINGS: i32 = 9;
+    let y = at_most(x, S::from_f64(MOST)) * S::from_f64(-1.0 / f64::from(1 << DOUBLINGS));
+    let series = (2..=10)
+        .rev()
+        .fold(S::one(), |sum, k| (y * S::from_f64(1.0 / f64::from(k))).mul_add(sum, S::one()));
+    let difference = (0..DOUBLINGS).fold(y * series, |less, _| less * (less + S::from_f64(2.0)));
+    -difference
+}
+
+/// Returns the number clamped to a range; NaN for NaN.
+fn clamped<S: Scalar>(number: S, range: Option<[f64; 2]>) -> S {
+    let Some([low, high]) = range else { return number };
+    let mut clamped = number;
+    if low.is_finite() {
+        clamped = at_least(clamped, S::from_f64(low));
+    }
+    if high.is_finite() {
+        clamped = at_most(clamped, S::from_f64(high));
+    }
+    clamped
+}
