@@ -70,18 +70,19 @@ fn conforms(name: &str, builder: &Builder) -> usize {
     functions.len()
 }
 
-const FUNCTIONS: [Function; 5] = [
+const FUNCTIONS: [Function; 6] = [
     Function::ForwardDynamics,
     Function::MassMatrix,
     Function::StepSemiImplicit,
     Function::LinkPose,
     Function::Difference,
+    Function::Actuate,
 ];
 
 #[test]
 fn robots_of_every_kind() {
-    let of_kinds =
-        kinds().into_iter().filter(|case| ["mimic_gripper", "parameters"].contains(&case.name));
+    let names = ["mimic_gripper", "parameters", "actuators", "motors"];
+    let of_kinds = kinds().into_iter().filter(|case| names.contains(&case.name));
     let functions: usize =
         of_kinds.map(|case| conforms(case.name, &case.builder.functions(FUNCTIONS))).sum();
     assert!(functions > 50, "{functions}");

@@ -18,7 +18,10 @@ use modyn_codegen::{
     Interpreter, LoopEnd, Planning, UserArgument, UserError, UserFunction,
 };
 use modyn_runtime::joint::JointType;
-use modyn_runtime::model::{Friction, Link, Model, Spring};
+use modyn_runtime::model::{
+    Activation, ActivationDynamics, Actuation, Actuator, AffineLaw, FixedTendon, Friction,
+    JointForceRange, Link, Model, Spring, TendonJoint, Transmission,
+};
 use modyn_runtime::{ConstraintSettings, ContactTarget, Scalar};
 
 use crate::random::{Random, normalize};
@@ -110,7 +113,7 @@ pub fn large() -> Case {
 
 /// Returns robots of every other kind: all joint types, closed loops, mimic joints, run-time parameters, equal limbs in
 /// routines, loops over bodies, products of matrices in loops, dependent rows of contacts, many
-/// links on one body, bundles, functions of the user, and a solver.
+/// links on one body, bundles, functions of the user, a solver, and actuators.
 ///
 /// # Panics
 ///
@@ -136,6 +139,8 @@ pub fn kinds() -> Vec<Case> {
         case("comb", comb().functions(USED)),
         case("own_functions", own_functions()),
         case("solver", solver()),
+        case("actuators", actuated(true)),
+        case("motors", actuated(false)),
     ]
 }
 
@@ -201,6 +206,52 @@ fn solver() -> Builder {
     let toe = contact("toe", ContactKind::Point, "lower", [0.1, 0.2, -0.3]);
     let pendulum = Builder::new().urdf_text(text, "double_pendulum.urdf").contacts([toe]);
     pendulum.friction(Friction::Coulomb).runtime_gravity().functions([Function::Step])
+}
+
+/// Returns a gripper with actuators, among them some of a mimic joint and of a tendon, with or
+/// without activations.
+fn actuated(activates: bool) -> Builder {
+    let model = robot("mimic_gripper").generate().expect("good").model;
+    let links = model.links().iter().enumerate();
+    let single = links.filter(|(_, link)| link.joint.joint_type.nv() == 1);
+    let joints: Vec<usize> = single.map(|(link, _)| link).collect();
+    let tendon = FixedTendon {
+        name: "tendon".into(),
+        joints: joints.iter().map(|&link| TendonJoint { link, coefficient: 0.7 }).collect(),
+        offset: 0.2,
+        force_range: Some([-0.4, 0.3]),
+    };
+    let filters = [
+        ActivationDynamics::Integrator,
+        ActivationDynamics::Filter(0.02),
+        ActivationDynamics::ExactFilter(0.03),
+    ];
+    let actuator = |k: usize| Actuator {
+        name: format!("motor_{k}"),
+        transmission: match k % 4 {
+            3 => Transmission::Tendon(0),
+            _ => Transmission::Joint(joints[k % joints.len()]),
+        },
+        gear: 1.5 - 0.4 * k as f64,
+        gain: AffineLaw { constant: 0.8, length: 0.1 * k as f64, velocity: 0.2 },
+        bias: AffineLaw { constant: 0.1, length: -0.3, velocity: -0.1 * k as f64 },
+        control_range: (k % 2 == 0).then_some([-0.6, 0.5]),
+        force_range: (k % 3 == 0).then_some([-0.5, 0.4]),
+        activation: (activates && k > 0).then(|| Activation {
+            dynamics: filters[k % 3],
+            range: (k % 2 == 0).then_some([-0.5, 0.7]),
+            early: k % 2 == 1,
+        }),
+        enabled: k != 5,
+    };
+    let force_range = JointForceRange { link: joints[0], range: [-0.3, 0.5] };
+    let actuation = Actuation {
+        actuators: (0..8).map(actuator).collect(),
+        tendons: vec![tendon],
+        joint_force_ranges: vec![force_range],
+    };
+    let model = model.with_actuation(actuation).expect("good actuators");
+    Builder::new().model(model).functions([Function::Actuate, Function::ActuateBatch])
 }
 
 /// Returns a robot with all joint types, and a spring at each joint.

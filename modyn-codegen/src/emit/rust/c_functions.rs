@@ -50,6 +50,8 @@ impl Robot<'_> {
                         format!("{contacts_type}::from_array({}.map(|x| x != 0.0))", parameter.name)
                     }
                 });
+            } else if parameter.shape.is_empty() {
+                arguments.push("&[]".into());
             } else if matches!(parameter.shape, Shape::Scalar) {
                 arguments.push(format!("{}[0]", parameter.name));
             } else if parameter.shape.is_vector() {

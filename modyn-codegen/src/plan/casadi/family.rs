@@ -40,7 +40,11 @@ impl ResultMatrix {
         let column = |order: &[usize]| {
             (0..order.len()).filter(|&row| nonzero(order[row])).collect::<Vec<usize>>()
         };
-        let nonzeros = self.order.chunks(self.rows).map(column).collect();
+        // A matrix without rows has columns, too.
+        let nonzeros = match self.rows {
+            0 => vec![Vec::new(); self.columns],
+            rows => self.order.chunks(rows).map(column).collect(),
+        };
         let rows = self.rows;
         let columns = self.columns;
         CasadiMatrix { name: self.name.clone(), rows, columns, nonzeros }

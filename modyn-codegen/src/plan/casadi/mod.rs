@@ -76,7 +76,8 @@ impl CasadiPlan {
         let frames: Vec<&str> = model.frames().iter().map(|frame| frame.name.as_str()).collect();
         let links = names::fields(&frames, &[]);
         let mut plan = Self::default();
-        let has_form = |f: &&Function| f.row().casadi && selected.contains(f);
+        let has_form =
+            |f: &&Function| f.row().casadi && f.fits(&context.sizes) && selected.contains(f);
         for function in Function::ALL.iter().filter(has_form) {
             let row = function.row();
             let family = Family::new(*function, context);
