@@ -779,6 +779,29 @@ impl Robot {
         self.call(py, 38, &[Some(q), Some(qd), Some(tau), Some(dt), warm_start, settings], None, out)
     }
 
+    /// Returns the joint forces `tau` of the actuators under the controls `ctrl`, in the order of
+    /// `control_names`, and the activations after the time `dt` (s), in the order of
+    /// `activation_names`. The laws are MuJoCo's: controls, forces, activations and joint forces
+    /// are clamped to the ranges of the description.
+    ///
+    /// Arguments: `q`: (nq,); `qd`: (nv,); `ctrl`: (controls,); `dt`: a number; `act`:
+    /// (activations,), which a robot without activations leaves out.
+    /// Result: `ActuatorForces`: `tau` (nv,), `act` (activations,). Several states have one more
+    /// axis, the first.
+    #[pyo3(signature = (q, qd, ctrl, dt, act=None, *, out=None))]
+    fn actuate<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        qd: &Bound<'py, PyAny>,
+        ctrl: &Bound<'py, PyAny>,
+        dt: &Bound<'py, PyAny>,
+        act: Argument<'_, 'py>,
+        out: Argument<'_, 'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        self.call(py, 39, &[Some(q), Some(qd), Some(ctrl), Some(dt), act], None, out)
+    }
+
     /// Returns the joint forces of the accelerations `qdd`, the wrenches of the active contacts
     /// that carry the floating bases, and the rank of the contacts' columns of the bases. The
     /// wrenches have the smallest sum of (force^2 + (moment / l)^2) / weight with the
@@ -801,7 +824,7 @@ impl Robot {
         settings: Argument<'_, 'py>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 39, &[Some(q), Some(qd), Some(qdd), contacts, settings], None, out)
+        self.call(py, 40, &[Some(q), Some(qd), Some(qdd), contacts, settings], None, out)
     }
 
     /// Returns the Jacobian of each constraint. The product with `qd` is, for a loop constraint,
@@ -819,7 +842,7 @@ impl Robot {
         q: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 40, &[Some(q)], None, out)
+        self.call(py, 41, &[Some(q)], None, out)
     }
 
     /// Returns the bias acceleration of each constraint: the time derivative of
@@ -836,7 +859,7 @@ impl Robot {
         qd: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 41, &[Some(q), Some(qd)], None, out)
+        self.call(py, 42, &[Some(q), Some(qd)], None, out)
     }
 
     /// Returns the operational-space inertia of the constraints, its inverse J M^-1 J^T with the
@@ -859,7 +882,7 @@ impl Robot {
         settings: Argument<'_, 'py>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 42, &[Some(q), contacts, settings], None, out)
+        self.call(py, 43, &[Some(q), contacts, settings], None, out)
     }
 
     /// Returns the regressor Y of inverse dynamics: tau = Y pi, without rotors and friction. pi has
@@ -877,7 +900,7 @@ impl Robot {
         qdd: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 43, &[Some(q), Some(qd), Some(qdd)], None, out)
+        self.call(py, 44, &[Some(q), Some(qd), Some(qdd)], None, out)
     }
 
     /// Returns the centre of mass of the moving links in world axes, m.
@@ -891,7 +914,7 @@ impl Robot {
         q: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 44, &[Some(q)], None, out)
+        self.call(py, 45, &[Some(q)], None, out)
     }
 
     /// Returns the Jacobian of the centre of mass. Its product with `qd` is the velocity of the
@@ -906,7 +929,7 @@ impl Robot {
         q: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 45, &[Some(q)], None, out)
+        self.call(py, 46, &[Some(q)], None, out)
     }
 
     /// Returns the centroidal momentum matrix. Its product with `qd` is the momentum about the
@@ -923,7 +946,7 @@ impl Robot {
         q: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 46, &[Some(q)], None, out)
+        self.call(py, 47, &[Some(q)], None, out)
     }
 
     /// Returns the centroidal composite inertia. Its product with a twist is the momentum about the
@@ -940,7 +963,7 @@ impl Robot {
         q: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 47, &[Some(q)], None, out)
+        self.call(py, 48, &[Some(q)], None, out)
     }
 
     /// Returns the momentum of the moving links about their centre of mass, in world axes. Rotors
@@ -957,7 +980,7 @@ impl Robot {
         qd: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 48, &[Some(q), Some(qd)], None, out)
+        self.call(py, 49, &[Some(q), Some(qd)], None, out)
     }
 
     /// Returns the time derivative of the centroidal momentum in world axes: the moment (N m) and
@@ -976,7 +999,7 @@ impl Robot {
         qdd: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 49, &[Some(q), Some(qd), Some(qdd)], None, out)
+        self.call(py, 50, &[Some(q), Some(qd), Some(qdd)], None, out)
     }
 
     /// Returns the momentum of the moving links about their centre of mass, its time derivative at
@@ -997,7 +1020,7 @@ impl Robot {
         qdd: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 50, &[Some(q), Some(qd), Some(qdd)], None, out)
+        self.call(py, 51, &[Some(q), Some(qd), Some(qdd)], None, out)
     }
 
     /// Returns the poses in the world of all links of the description, fixed links included, in the
@@ -1013,7 +1036,7 @@ impl Robot {
         q: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 51, &[Some(q)], None, out)
+        self.call(py, 52, &[Some(q)], None, out)
     }
 
     /// Returns the pose of a link in the world. Computes the link's kinematic path only.
@@ -1029,7 +1052,7 @@ impl Robot {
         link: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 52, &[Some(q)], Some(link), out)
+        self.call(py, 53, &[Some(q)], Some(link), out)
     }
 
     /// Returns the velocity of a link's origin (m/s) and its angular velocity (rad/s), in world
@@ -1048,7 +1071,7 @@ impl Robot {
         link: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 53, &[Some(q), Some(qd)], Some(link), out)
+        self.call(py, 54, &[Some(q), Some(qd)], Some(link), out)
     }
 
     /// Returns the velocity of a link's origin (m/s) and its angular velocity (rad/s), in the
@@ -1067,7 +1090,7 @@ impl Robot {
         link: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 54, &[Some(q), Some(qd)], Some(link), out)
+        self.call(py, 55, &[Some(q), Some(qd)], Some(link), out)
     }
 
     /// Returns the classical acceleration of a link's origin (m/s^2) and its angular acceleration
@@ -1087,7 +1110,7 @@ impl Robot {
         link: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 55, &[Some(q), Some(qd), Some(qdd)], Some(link), out)
+        self.call(py, 56, &[Some(q), Some(qd), Some(qdd)], Some(link), out)
     }
 
     /// Returns the classical acceleration of a link's origin (m/s^2) and its angular acceleration
@@ -1108,7 +1131,7 @@ impl Robot {
         link: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 56, &[Some(q), Some(qd), Some(qdd)], Some(link), out)
+        self.call(py, 57, &[Some(q), Some(qd), Some(qdd)], Some(link), out)
     }
 
     /// Returns the Jacobian of a link. Its product with `qd` is the velocity of the link at its
@@ -1125,7 +1148,7 @@ impl Robot {
         link: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 57, &[Some(q)], Some(link), out)
+        self.call(py, 58, &[Some(q)], Some(link), out)
     }
 
     /// Returns the Jacobian of a link. Its product with `qd` is the velocity of the link at its
@@ -1142,7 +1165,7 @@ impl Robot {
         link: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 58, &[Some(q)], Some(link), out)
+        self.call(py, 59, &[Some(q)], Some(link), out)
     }
 
     /// Returns the time derivative of `jacobian`. Its product with `qd` is `bias_acceleration`.
@@ -1161,7 +1184,7 @@ impl Robot {
         link: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 59, &[Some(q), Some(qd)], Some(link), out)
+        self.call(py, 60, &[Some(q), Some(qd)], Some(link), out)
     }
 
     /// Returns the time derivative of `local_jacobian`. Its product with `qd` is
@@ -1180,7 +1203,7 @@ impl Robot {
         link: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 60, &[Some(q), Some(qd)], Some(link), out)
+        self.call(py, 61, &[Some(q), Some(qd)], Some(link), out)
     }
 
     /// Returns the bias acceleration of a link in world axes: the time derivative of `jacobian`
@@ -1200,7 +1223,7 @@ impl Robot {
         link: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 61, &[Some(q), Some(qd)], Some(link), out)
+        self.call(py, 62, &[Some(q), Some(qd)], Some(link), out)
     }
 
     /// Returns the bias acceleration of a link in its own axes: the time derivative of
@@ -1219,7 +1242,7 @@ impl Robot {
         link: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 62, &[Some(q), Some(qd)], Some(link), out)
+        self.call(py, 63, &[Some(q), Some(qd)], Some(link), out)
     }
 
     /// Returns the coordinates after the displacement `v` (a velocity times a time) from `q`.
@@ -1234,7 +1257,7 @@ impl Robot {
         v: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 63, &[Some(q), Some(v)], None, out)
+        self.call(py, 64, &[Some(q), Some(v)], None, out)
     }
 
     /// Returns the displacement `v` with which `integrate` leads from `from_` to `to`. Rotations
@@ -1250,7 +1273,7 @@ impl Robot {
         to: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 64, &[Some(from_), Some(to)], None, out)
+        self.call(py, 65, &[Some(from_), Some(to)], None, out)
     }
 
     /// Returns the derivatives of `integrate` with respect to `q` and `v` in tangent space:
@@ -1267,7 +1290,7 @@ impl Robot {
         v: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 65, &[Some(q), Some(v)], None, out)
+        self.call(py, 66, &[Some(q), Some(v)], None, out)
     }
 
     /// Returns the derivatives of `difference` with respect to `from_` and `to` in tangent space:
@@ -1284,7 +1307,7 @@ impl Robot {
         to: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 66, &[Some(from_), Some(to)], None, out)
+        self.call(py, 67, &[Some(from_), Some(to)], None, out)
     }
 
     /// Returns dq/dt, the rates of the coordinates `q` at the velocities `qd`.
@@ -1299,7 +1322,7 @@ impl Robot {
         qd: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 67, &[Some(q), Some(qd)], None, out)
+        self.call(py, 68, &[Some(q), Some(qd)], None, out)
     }
 
     /// Returns the coordinates with quaternions scaled to length 1.
@@ -1313,7 +1336,7 @@ impl Robot {
         q: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 68, &[Some(q)], None, out)
+        self.call(py, 69, &[Some(q)], None, out)
     }
 
     /// Returns coordinates within the joint limits, from random numbers uniformly distributed in
@@ -1329,7 +1352,7 @@ impl Robot {
         uniforms: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 69, &[Some(uniforms)], None, out)
+        self.call(py, 70, &[Some(uniforms)], None, out)
     }
     // <!-- end -->
 }

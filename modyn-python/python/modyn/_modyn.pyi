@@ -928,6 +928,19 @@ class Robot:
         Result: `StepSolution`: `q` (nq,), `qd` (nv,), `qdd` (nv,), `forces` (touching points, 3),
         `residual` a number, `iterations` a number. Several states have one more axis, the first.
         """
+    def actuate(
+        self, q: ArrayLike, qd: ArrayLike, ctrl: ArrayLike, dt: ArrayLike, act: ArrayLike | None = None, *, out: ActuatorForces | None = None
+    ) -> ActuatorForces:
+        """Returns the joint forces `tau` of the actuators under the controls `ctrl`, in the order of
+        `control_names`, and the activations after the time `dt` (s), in the order of
+        `activation_names`. The laws are MuJoCo's: controls, forces, activations and joint forces
+        are clamped to the ranges of the description.
+
+        Arguments: `q`: (nq,); `qd`: (nv,); `ctrl`: (controls,); `dt`: a number; `act`:
+        (activations,), which a robot without activations leaves out.
+        Result: `ActuatorForces`: `tau` (nv,), `act` (activations,). Several states have one more
+        axis, the first.
+        """
     def constrained_inverse_dynamics(
         self, q: ArrayLike, qd: ArrayLike, qdd: ArrayLike, contacts: ArrayLike | None = None, settings: ConstraintSettings | ArrayLike | None = None, *, out: ConstrainedInverseDynamics | None = None
     ) -> ConstrainedInverseDynamics:

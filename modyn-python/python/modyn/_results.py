@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 # <!-- data: python-results -->
 __all__ = [
+    "ActuatorForces",
     "CentroidalMomentumDerivatives",
     "ConstrainedForwardDynamics",
     "ConstrainedForwardDynamicsDerivatives",
@@ -37,6 +38,15 @@ __all__ = [
     "StepHessian",
     "StepSolution",
 ]
+
+
+class ActuatorForces(NamedTuple):
+    """The result of `actuate`."""
+
+    tau: NDArray[Any]
+    """(nv,)"""
+    act: NDArray[Any]
+    """(activations,)"""
 
 
 class CentroidalMomentumDerivatives(NamedTuple):

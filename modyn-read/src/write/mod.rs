@@ -101,6 +101,10 @@ fn notes_about_options(model: &Model, format: Format) -> Vec<String> {
         let names = model.keyframes().iter().map(|keyframe| &*keyframe.name);
         notes.push(format!("Left out: {}.", listed("keyframe", names)));
     }
+    if !model.actuation().actuators.is_empty() {
+        let names = model.control_names().into_iter();
+        notes.push(format!("Left out: {}.", listed("actuator", names)));
+    }
     if format == Format::Urdf && model.gravity() != DEFAULT_GRAVITY {
         let [x, y, z] = model.gravity().map(number);
         notes.push(format!(

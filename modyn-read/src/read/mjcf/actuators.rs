@@ -12,7 +12,7 @@ use modyn_runtime::model::{
 use super::actuator_law::{ActuatorLaw, Range};
 use super::bodies::Bodies;
 use super::equality::fixed_tendon;
-use super::inert_actuators::InertActuators;
+use super::inert_actuators::{Inert, InertActuators};
 use super::item::Item;
 use super::spring_dampers::{MAX_ACCELERATIONS, MAX_SPRING_DAMPERS};
 use crate::description::{Kind, MAX_NUMBER, TakenNames};
@@ -41,14 +41,6 @@ struct Tendon<'e> {
     joints: Option<Vec<(usize, f64)>>,
     /// Its index among the tendons of the actuators; `None` if no actuator moves it so far.
     index: Option<usize>,
-}
-
-/// The reason why an actuator does not act.
-pub enum Inert {
-    /// The joint or tendon does not exist.
-    Missing,
-    /// The kind of its transmission.
-    Transmission(&'static str),
 }
 
 impl<'e> Bodies<'e, '_, '_> {

@@ -5,9 +5,16 @@ use std::collections::BTreeMap;
 use modyn_runtime::model::Transmission;
 
 use super::actuator_law::ActuatorLaw;
-use super::actuators::Inert;
 use super::item::Item;
 use crate::diagnostics::{Code, Place, Report, Subject};
+
+/// The reason why an actuator does not act.
+pub enum Inert {
+    /// The joint or tendon does not exist.
+    Missing,
+    /// The kind of its transmission.
+    Transmission(&'static str),
+}
 
 /// The actuators that do not act, by the message about them.
 #[derive(Default)]
