@@ -108,7 +108,7 @@ fn round(name: &str, model: &Model, format: Format, random: &mut Random) -> bool
         let settings: Vec<f64> =
             settings.into_iter().chain((0..model.contacts().len()).flat_map(|_| targets)).collect();
         let has = |function: &Function| {
-            function.fits(&Sizes::new(&model, 0)) && (dynamic || !function.row().needs_inertia)
+            function.fits(&Sizes::new(model, 0)) && (dynamic || !function.row().needs_inertia)
         };
         for function in COMPARED.into_iter().filter(has) {
             let arguments = function.row().arguments.iter().map(|argument| match argument.name {
