@@ -187,7 +187,7 @@ def test_compliant_contacts():
 
 def test_schema():
     """The compiler's table of MJCF is tested with the schema of this MuJoCo."""
-    folder = ROOT / "modyn-codegen" / "tests" / "mjcf"
+    folder = ROOT / "modyn-read" / "tests" / "mjcf"
     spec = importlib.util.spec_from_file_location("schema", folder / "schema.py")
     schema = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(schema)
