@@ -141,7 +141,14 @@ fn docs(row: &Row) -> String {
     }
     text = text.replace(" Both matrices are arrays of columns; each", " Each");
     text = text.replace("The blocks of the Hessian are arrays of columns; the", "The");
-    let constants = ["LINK_NAMES", "LOOP_CONSTRAINT_NAMES", "CONTACT_NAMES", "CONTROL_NAMES", "ACTIVATION_NAMES", "PARAMETERS"];
+    let constants = [
+        "LINK_NAMES",
+        "LOOP_CONSTRAINT_NAMES",
+        "CONTACT_NAMES",
+        "CONTROL_NAMES",
+        "ACTIVATION_NAMES",
+        "PARAMETERS",
+    ];
     for name in constants {
         text = text.replace(&format!("`{name}`"), &format!("`{}`", name.to_lowercase()));
     }
