@@ -16,9 +16,9 @@ pub fn constraints(
     let Some(mut soft) = description.soft.clone() else { return SoftConstraints::default() };
     soft.joint_friction &= options.friction.is_none();
     soft.shapes.retain(|shape| carriers[shape.end.frame].is_some());
-    let joints = model.links().iter().enumerate();
+    let links = model.links().iter().enumerate();
     let joints: FxHashMap<&str, usize> =
-        joints.map(|(joint, link)| (link.joint.name.as_str(), joint)).collect();
+        links.map(|(joint, link)| (link.joint.name.as_str(), joint)).collect();
     let softnesses = description.softnesses.iter().filter_map(|(joint, record)| {
         let name = description.joints[*joint].name.text.as_str();
         Some(JointSoftness {

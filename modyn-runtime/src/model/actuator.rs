@@ -75,7 +75,7 @@ pub struct Activation {
     pub dynamics: ActivationDynamics,
     /// The range to which the activation is clamped after a step.
     pub range: Option<[f64; 2]>,
-    /// Whether the force is that of the activation after the step: `MuJoCo`'s `actearly`.
+    /// Whether the force follows from the activation after the step: `MuJoCo`'s `actearly`.
     pub early: bool,
 }
 

@@ -29,7 +29,7 @@ pub struct ActuatorLaw<'e> {
     pub control: Range,
     pub force: Range,
     pub activation: Range,
-    /// Whether the force is that of the activation after the step.
+    /// Whether the force follows from the activation after the step.
     pub early: bool,
     /// The part of the range of the joint or tendon that is the range of the control or the
     /// activation; 0 without.
@@ -188,12 +188,12 @@ impl<'e> ActuatorLaw<'e> {
                 self.bias[1] = -self.gain[0];
                 let rate = number("kv").map(|kv| -kv).or(number("dampratio"));
                 self.bias[2] = rate.unwrap_or(self.bias[2]);
-                let mut dynamics = self.dynamics_type;
+                let mut filter = self.dynamics_type;
                 if let Some(time) = number("timeconst") {
                     self.time_constant = time;
-                    dynamics = if time == 0.0 { "none" } else { "filterexact" };
+                    filter = if time == 0.0 { "none" } else { "filterexact" };
                 }
-                let dynamics = if kind == "intvelocity" { "integrator" } else { dynamics };
+                let dynamics = if kind == "intvelocity" { "integrator" } else { filter };
                 self.set_types(dynamics, "fixed", "affine");
             }
             "velocity" => {
@@ -209,8 +209,8 @@ impl<'e> ActuatorLaw<'e> {
             "cylinder" => {
                 self.time_constant = number("timeconst").unwrap_or(self.time_constant);
                 overwrite(&mut self.bias, element, "bias");
-                let area = number("diameter").filter(|diameter| *diameter >= 0.0);
-                let area = area.map(|x| core::f64::consts::PI / 4.0 * x * x).or(number("area"));
+                let diameter = number("diameter").filter(|diameter| *diameter >= 0.0);
+                let area = diameter.map(|x| core::f64::consts::PI / 4.0 * x * x).or(number("area"));
                 self.gain[0] = area.unwrap_or(self.gain[0]);
                 self.set_types("filter", "fixed", "affine");
             }
@@ -233,7 +233,7 @@ impl<'e> ActuatorLaw<'e> {
     }
 }
 
-/// Replaces the first of these numbers by those of an attribute; the others stay.
+/// Replaces the first of these numbers by the numbers of an attribute; the others stay.
 fn overwrite(numbers: &mut [f64], element: &Element, name: &str) {
     let written = element.text(name).and_then(list).unwrap_or_default();
     for (number, written) in numbers.iter_mut().zip(written) {

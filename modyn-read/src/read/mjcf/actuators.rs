@@ -129,11 +129,11 @@ impl<'e> Bodies<'e, '_, '_> {
             }
             "tendon" => {
                 let tendon = targets.tendons.get_mut(&name).ok_or(Inert::Missing)?;
-                let joints = tendon
+                let single = tendon
                     .joints
                     .as_ref()
                     .filter(|joints| joints.iter().all(|(joint, _)| is_single(joint)));
-                let joints = joints.ok_or(Inert::Transmission("a `<spatial>` tendon"))?;
+                let joints = single.ok_or(Inert::Transmission("a `<spatial>` tendon"))?;
                 let force = Range::of(&tendon.item, "actuatorfrclimited", "actuatorfrcrange");
                 let model = &self.models[tendon.item.model];
                 let index = *tendon.index.get_or_insert_with(|| {
@@ -187,8 +187,8 @@ impl<'e> Bodies<'e, '_, '_> {
             [law.gain_type, law.bias_type, law.dynamics_type] == ["fixed", "none", "none"];
         let clamps = self.models[0].settings.flags.clamps_controls;
         let gain = (is_motor && clamps && item.element().name != "plugin").then_some(law.gain[0]);
-        let bounds = [(law.force, Some(1.0)), (law.control, gain)].into_iter();
-        let bounds = bounds.filter_map(|(range, factor)| {
+        let ranges = [(law.force, Some(1.0)), (law.control, gain)].into_iter();
+        let bounds = ranges.filter_map(|(range, factor)| {
             let [low, high] = range.limits(model)?;
             (-low == high && high > 0.0).then_some(high * factor?.abs())
         });

@@ -64,8 +64,8 @@ impl InertActuators {
         transmission: &Result<Transmission, Inert>,
     ) -> bool {
         let element = item.element();
-        let joint = law.target.filter(|(attribute, _)| attribute.starts_with("joint"));
-        let joint = joint.map(|(_, name)| Subject::Joint(item.naming.name(name)));
+        let target = law.target.filter(|(attribute, _)| attribute.starts_with("joint"));
+        let joint = target.map(|(_, name)| Subject::Joint(item.naming.name(name)));
         let place: Place = (Some(element.at), joint);
         if element.name == "adhesion" {
             let message = "the forces of `<adhesion>` at contacts are not read";

@@ -70,8 +70,8 @@ pub fn joint(
     let actuator_forces =
         if single { actuator_forces(item, model, &subject, report) } else { None };
     // The bound of a symmetric range.
-    let effort = actuator_forces.filter(|[lower, upper]| -lower == *upper && *upper < MAX_NUMBER);
-    let effort = effort.map(|[_, upper]| upper);
+    let bound = actuator_forces.filter(|[lower, upper]| -lower == *upper && *upper < MAX_NUMBER);
+    let effort = bound.map(|[_, upper]| upper);
     let mut refuse = |code, message: &str, help: &str| {
         report.error(code, at, Some(&subject), message, help);
     };

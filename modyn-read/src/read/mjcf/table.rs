@@ -561,5 +561,5 @@ pub const ACTUATORS: &[&str] = &[
     "plugin",
 ];
 
-/// The other attributes of actuators: those of laws that do not act.
+/// The other attributes of actuators, of laws that do not act.
 const ACTUATOR_ATTRIBUTES: &str = "*";

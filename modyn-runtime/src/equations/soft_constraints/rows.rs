@@ -141,8 +141,8 @@ impl<S: Scalar> ContactRows<S> {
         let axes = to_body.times(&Matrix3::from_columns(|k| plane.column((k + 2) % 3)));
         let on_body = Matrix3(parameters.pose.rotation);
         let normal = on_body.transposed().mul_vector(axes.column(0));
-        let tangent = shapes::tangent(&parameters.shape);
-        let tangent = tangent.map(|tangent| on_body.mul_vector(tangent));
+        let in_shape = shapes::tangent(&parameters.shape);
+        let tangent = in_shape.map(|tangent| on_body.mul_vector(tangent));
         let points = shapes::points(&parameters.shape, normal).into_iter();
         let center = Vector3(parameters.pose.translation);
         points
