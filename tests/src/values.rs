@@ -198,7 +198,7 @@ pub fn numbers<T: FromStr>(result: &dyn Debug) -> Vec<T> {
     text.split(|c| " ,:()[]{}".contains(c)).filter_map(|word| word.parse().ok()).collect()
 }
 
-/// Returns the [`Results`] of a compiled robot: of `all` functions of one state that have no constraints, or of the `default` ones.
+/// Returns the [`Results`] of a compiled robot: of `all` functions of one state that need no constraints and no actuators, or of the `default` ones.
 ///
 /// `own` calls the functions of the type, `of_trait` those of the trait. With `own_with` and `trait_with`, and parameters at the
 /// end, the functions that depend on run-time parameters are called with these. `each f;` calls `f` with each result for its
@@ -238,6 +238,7 @@ macro_rules! row_results {
         })*
     };
     (@$functions:ident [$(default)? constraints $($flag:ident)*] $($row:tt)*) => {};
+    (@$functions:ident [$(default)? actuators $($flag:ident)*] $($row:tt)*) => {};
     (@all $flags:tt $($row:tt)*) => { $crate::row_results! { @row $($row)* } };
     (@default [default $($flag:ident)*] $($row:tt)*) => { $crate::row_results! { @row $($row)* } };
     (@default $flags:tt $($row:tt)*) => {};
@@ -302,7 +303,7 @@ pub fn factors<R: Robot, T: Scalar>(
     }
 }
 
-/// Returns the interpreter's results: of all functions of one state that have no constraints, or of the default ones.
+/// Returns the interpreter's results: of all functions of one state that need no constraints and no actuators, or of the default ones.
 ///
 /// # Panics
 ///
