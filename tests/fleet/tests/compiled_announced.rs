@@ -182,7 +182,7 @@ fn announced_operations_equal_the_executed_ones() {
         let functions = if robot.spec.all { Spec::all_functions().collect() } else { default() };
         let names: Vec<&str> = robot.operations.iter().map(|(name, _)| *name).collect();
         let model = robot.spec.model();
-        let own = functions.iter().filter(|f| f.fits(&Sizes::new(model, 0)));
+        let own = functions.iter().filter(|f| f.fits(&Sizes::new(&model, 0)));
         assert_eq!(names, own.map(|f| f.name()).collect::<Vec<_>>());
     }
 }
