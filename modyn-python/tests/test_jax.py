@@ -49,7 +49,8 @@ def arguments(own, name, n=3):
     return link, [argument(one, tuple(shape), q, n, rng) for one, shape, default in listed if default is None]
 
 
-FUNCTIONS = [name for name in modyn.functions() if name != "brge"]
+# `brge` returns factors; `actuate` needs actuators, which this robot lacks.
+FUNCTIONS = [name for name in modyn.functions() if name not in ("brge", "actuate")]
 # Their derivatives are of third order, and long.
 HESSIANS = [name for name in FUNCTIONS if name.endswith("_hessian")]
 
