@@ -6,7 +6,7 @@
 
 use std::fmt::Write as _;
 
-use modyn_runtime::model::{Actuation, Limits, Link, Model, Spring};
+use modyn_runtime::model::{Actuation, ContactShape, Limits, Link, Model, SoftConstraints, Spring};
 
 use super::Robot;
 
@@ -63,6 +63,7 @@ impl Robot<'_> {
                 numbers(model.gravity_compensation())
             );
         }
+        let soft = soft_constraints(model);
         let actuation = actuation(model);
         let contacts = list(model.contacts().iter().map(|contact| {
             format!(
@@ -88,7 +89,7 @@ impl Robot<'_> {
              let model = Model::new({:?}, {:?}, links.into(), frames.into());\n    \
              let model = model.and_then(|model| model.with_friction(Friction::{:?}));\n    \
              {passive}let model = model.and_then(|model| model.with_loop_constraints(loops.into()));\n    \
-             model\n        .and_then(|model| model.with_contacts(contacts.into()))\n        {actuation}{keyframes}\
+             model\n        .and_then(|model| model.with_contacts(contacts.into()))\n        {soft}{actuation}{keyframes}\
              .expect(\"the model was valid when this was compiled\")\n}}\n}}\n",
             self.name,
             model.links().len(),
@@ -100,6 +101,34 @@ impl Robot<'_> {
             model.friction(),
         );
     }
+}
+
+/// Returns the call that gives the robot what its steps with soft constraints have; empty for the
+/// default.
+fn soft_constraints(model: &Model) -> String {
+    let soft = model.soft_constraints();
+    if *soft == SoftConstraints::default() {
+        return String::new();
+    }
+    let shapes = list(soft.shapes.iter().map(|shape| {
+        let kind = match &shape.shape {
+            ContactShape::Points(points) => format!("Points({points:?}.into())"),
+            shape => format!("{shape:?}"),
+        };
+        format!(
+            "TouchingShape {{ name: {:?}.into(), end: {:?}, shape: ContactShape::{kind}, \
+             components: ContactComponents::{:?}, surface: {:?}, power: {} }}",
+            shape.name, shape.end, shape.components, shape.surface, shape.power
+        )
+    }));
+    let joints = list(soft.joints.iter().map(|joint| format!("{joint:?}")));
+    format!(
+        ".and_then(|model| {{\n            use __modyn::ContactSurface;\n            use __modyn::model::{{Cone, \
+         ContactComponents, ContactShape, Impedance, JointSoftness, SoftConstraints, Softness, TouchingShape}};\n            \
+         model.with_soft_constraints(SoftConstraints {{ cone: Cone::{:?}, impratio: {:?}, shapes: {shapes}.into(), \
+         joints: {joints}.into(), joint_limits: {}, joint_friction: {} }})\n        }})\n        ",
+        soft.cone, soft.impratio, soft.joint_limits, soft.joint_friction
+    )
 }
 
 /// Returns the call that gives the robot its actuators; empty without actuators.
