@@ -54,6 +54,22 @@ def joint(rng):
             f'{softness(rng, "solreflimit", "solimplimit")} {softness(rng, "solreffriction", "solimpfriction")}/>')
 
 
+def pair(rng):
+    """A pair with the settings of its own: the base and the floor touch, whatever their masks say."""
+    friction = rng.uniform(0.2, 1.0, 2), rng.uniform(0.005, 0.1, 3)
+    # MuJoCo's pyramids have a friction for each tangent, modyn's have one.
+    friction = [friction[0][0], friction[0][0], friction[1][0], friction[1][1], friction[1][1]]
+    return (f'<pair geom1="floor" geom2="base_geom" condim="{rng.choice([3, 4, 6])}" friction="{numbers(friction)}" '
+            f'margin="{numbers(rng.uniform(0.0, 0.02))}" {softness(rng)}/>')
+
+
+def overriding(rng):
+    """Settings of all contacts, which replace those of the geoms."""
+    slide, spin, roll = rng.uniform(0.2, 1.0), *rng.uniform(0.005, 0.1, 2)
+    return (f'o_margin="{numbers(rng.uniform(0.0, 0.02))}" o_friction="{numbers([slide, slide, spin, roll, roll])}" '
+            f'{softness(rng, "o_solref", "o_solimp")}')
+
+
 def scene(rng, k):
     """The text of a robot over a plane: a free body, and limbs of one or two links."""
     kinds = [KINDS[(k + i) % len(KINDS)] for i in range(6)]
@@ -65,8 +81,19 @@ def scene(rng, k):
     floor = (f'<geom name="floor" type="plane" size="0 0 1" pos="{numbers(rng.uniform(-0.3, 0.3, 3))}" '
              f'quat="{numbers(rotation)}" contype="1" conaffinity="2" {contact(rng)}/>')
     cone = "elliptic" if k % 2 else "pyramidal"
-    return (f'<mujoco model="floor {k}"><compiler angle="radian"/><option cone="{cone}" impratio="{numbers(rng.uniform(0.5, 4))}"/>'
-            f"<worldbody>{floor}<body name='base'><freejoint/>{geom(rng, kinds[0])}{limbs}</body></worldbody></mujoco>")
+    base = geom(rng, kinds[0]).replace("<geom", '<geom name="base_geom"')
+    # Every fourth robot has a pair in place of masks, the next one a body that does not touch the floor, the next one settings of
+    # all contacts.
+    kind = k % 4
+    contacts = f"<contact>{pair(rng)}</contact>" if kind == 1 else ""
+    base = base.replace('contype="2"', 'contype="0"').replace('conaffinity="1"', 'conaffinity="0"') if kind == 1 else base
+    if kind == 2:
+        contacts = '<contact><exclude body1="world" body2="limb"/></contact>'
+        limbs = limbs.replace("<body ", '<body name="limb" ', 1)
+    option = overriding(rng) if kind == 3 else ""
+    flag = '<flag override="enable"/>' if kind == 3 else ""
+    return (f'<mujoco model="floor {k}"><compiler angle="radian"/><option cone="{cone}" impratio="{numbers(rng.uniform(0.5, 4))}" '
+            f"{option}>{flag}</option><worldbody>{floor}<body name='base'><freejoint/>{base}{limbs}</body></worldbody>{contacts}</mujoco>")
 
 
 def to_modyn(qpos, qvel):

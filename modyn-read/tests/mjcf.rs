@@ -676,9 +676,9 @@ fn laws_of_actuators_are_named() {
         ("joint='ball'", "a ball or free joint"),
     ];
     for (target, kind) in transmissions {
-        let found = warnings(&format!("<velocity {target} kv='1'/><motor {target}/>"));
-        let [found] = &found[..] else { panic!("{target}: {found:?}") };
-        assert!(found.message.contains(&format!("actuators that move {kind}")), "{found}");
+        let messages = warnings(&format!("<velocity {target} kv='1'/><motor {target}/>"));
+        let [warning] = &messages[..] else { panic!("{target}: {messages:?}") };
+        assert!(warning.message.contains(&format!("actuators that move {kind}")), "{warning}");
     }
     let [found] = &warnings("<motor joint='j' delay='0.1'/>")[..] else { panic!("one warning") };
     assert!(found.message.contains("`delay`"), "{found}");

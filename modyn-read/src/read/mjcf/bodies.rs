@@ -7,9 +7,10 @@ use modyn_runtime::conventions::{quaternion_from_rotation, rotation_from_quatern
 use modyn_runtime::model::{Actuation, Inertial};
 use modyn_runtime::spatial::Pose;
 
-use super::contact_law::{self, Place};
+use super::contact_law::{self, Carrier};
 use super::element::{Element, MAX_DEPTH};
 use super::geoms;
+use super::ignored::Ignored;
 use super::inertia;
 use super::item::{Item, Naming};
 use super::joints::{self, is_free};
@@ -54,6 +55,8 @@ pub struct Bodies<'e, 'r, 'f> {
     pub attached: Vec<(usize, Rc<Naming>)>,
     /// The geoms that can touch others.
     pub geoms: Vec<contact_law::Geom<'e>>,
+    /// What has no effect in steps.
+    pub ignored: Ignored,
     /// Whether pairs of geoms are named, which touch each other in any case.
     pub has_pairs: bool,
     /// The models in which the present element is.
@@ -130,6 +133,7 @@ impl<'e, 'r, 'f> Bodies<'e, 'r, 'f> {
             spring_dampers: Vec::new(),
             attached: vec![(0, naming.clone())],
             geoms: Vec::new(),
+            ignored: Ignored::default(),
             has_pairs: sources
                 .iter()
                 .any(|source| source.root.in_sections("contact").any(|child| child.name == "pair")),
@@ -159,7 +163,8 @@ impl<'e, 'r, 'f> Bodies<'e, 'r, 'f> {
         bodies.sites(&parts.sites, 0);
         bodies.shapes(&parts.geoms, 0, "world");
         let drawn = Pose::identity();
-        bodies.touching(&parts.geoms, &Place { body: "world", link: 0, moves: false, drawn });
+        let body = "world".to_owned();
+        bodies.touching(&parts.geoms, &Carrier { body, link: 0, moves: false, drawn });
         for body in parts.bodies {
             bodies.body(body, world);
         }
@@ -398,7 +403,7 @@ impl<'e, 'r, 'f> Bodies<'e, 'r, 'f> {
             let link = if last { name.clone() } else { format!("{name}_behind_{joint_name}") };
             let child = self.link(link, place, self.carriers.len());
             self.description.links[child].auxiliary = !last;
-            if let Some(softness) = contact_law::joint_softness(joint, self.report) {
+            if let Some(softness) = contact_law::joint_softness(joint, &mut self.ignored.powers) {
                 self.description.softnesses.push((self.description.joints.len(), softness));
             }
             if let Some(numbers) = joints::spring_damper(joint) {
@@ -435,7 +440,8 @@ impl<'e, 'r, 'f> Bodies<'e, 'r, 'f> {
         }
         self.sites(&parts.sites, above);
         self.shapes(&parts.geoms, above, &name);
-        self.touching(&parts.geoms, &Place { body: &name, link: above, moves, drawn });
+        let carrier = Carrier { body: name, link: above, moves, drawn };
+        self.touching(&parts.geoms, &carrier);
         let parent = Parent { link: above, drawn, depth: parent.depth + 1 };
         for body in parts.bodies {
             self.body(body, parent);

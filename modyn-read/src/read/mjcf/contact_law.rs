@@ -8,38 +8,43 @@ use modyn_runtime::spatial::Pose;
 use super::check::{filled, list};
 use super::item::Item;
 use super::settings::{ContactOverride, IMPEDANCE, REFERENCE};
+use super::spring_dampers::LEAST;
 use crate::description::SoftnessRecord;
-use crate::diagnostics::{Code, Report, Severity};
-
-/// The least sum of weights by which softness is mixed, as in `MuJoCo`.
-const LEAST: f64 = 1e-15;
+use crate::diagnostics::{Code, Place, Report};
 
 /// A geom that can touch other geoms.
 #[derive(Clone)]
 pub struct Geom<'e> {
     pub item: Item<'e>,
+    pub carrier: Carrier,
+    pub law: Law,
+}
+
+/// The body of a geom.
+#[derive(Clone)]
+pub struct Carrier {
     pub body: String,
-    /// The link, and whether it moves.
+    /// The link with the body's frame, and whether it moves.
     pub link: usize,
     pub moves: bool,
     /// The pose of the body in the world, where the model is drawn.
     pub drawn: Pose<f64>,
-    pub law: Law,
 }
 
 /// The attributes of a geom that decide which geoms it touches, and how.
 #[derive(Clone, Copy)]
 pub struct Law {
+    /// `contype` and `conaffinity`.
     pub types: [u32; 2],
-    pub components: ContactComponents,
-    pub priority: f64,
-    pub weight: f64,
+    priority: f64,
+    weight: f64,
     pub contact: Contact,
 }
 
 /// The parameters of a contact.
 #[derive(Clone, Copy)]
 pub struct Contact {
+    pub components: ContactComponents,
     pub friction: [f64; 3],
     pub margin: f64,
     pub reference: [f64; 2],
@@ -49,32 +54,16 @@ pub struct Contact {
 /// `MuJoCo`'s default.
 const FRICTION: [f64; 3] = [1.0, 0.005, 0.0001];
 
-/// A place of a geom: its link, the pose of the body's frame in it, and whether the link moves.
-pub struct Place<'a> {
-    pub body: &'a str,
-    pub link: usize,
-    pub moves: bool,
-    /// The pose of the body in the world, where the model is drawn.
-    pub drawn: Pose<f64>,
-}
-
 impl Law {
     pub fn of(geom: &Item, report: &mut Report<'_>) -> Self {
-        let at = geom.element().at;
         let number = |name: &str, default: f64| geom.number(name).unwrap_or(default);
-        let count = number("condim", 3.0);
-        let components = ContactComponents::from_count(count as usize).unwrap_or_else(|| {
-            let message = format!("`condim=\"{count}\"` is no number of components");
-            report.error(Code::NotRead, at, None, message, "write 1, 3, 4 or 6");
-            ContactComponents::Sliding
-        });
         let numbers = |name: &str| geom.text(name).and_then(list);
         Self {
             types: ["contype", "conaffinity"].map(|name| number(name, 1.0) as i32 as u32),
-            components,
             priority: number("priority", 0.0),
             weight: number("solmix", 1.0),
             contact: Contact {
+                components: components(geom, report).unwrap_or_default(),
                 friction: filled(numbers("friction").as_deref(), FRICTION),
                 margin: number("margin", 0.0),
                 reference: filled(numbers("solref").as_deref(), REFERENCE),
@@ -88,12 +77,12 @@ impl Law {
         self.types[0] & other.types[1] != 0 || other.types[0] & self.types[1] != 0
     }
 
-    /// Returns the law of the contact of two geoms.
-    pub fn mixed(&self, other: &Self) -> (ContactComponents, Contact) {
+    /// Returns the contact of two geoms.
+    pub fn mixed(&self, other: &Self) -> Contact {
         let margin = self.contact.margin + other.contact.margin;
         if self.priority != other.priority {
             let law = if self.priority > other.priority { self } else { other };
-            return (law.components, Contact { margin, ..law.contact });
+            return Contact { margin, ..law.contact };
         }
         let share = match [self.weight >= LEAST, other.weight >= LEAST] {
             [true, true] => self.weight / (self.weight + other.weight),
@@ -108,20 +97,96 @@ impl Law {
             true => mixed(a.reference[k], b.reference[k]),
             false => a.reference[k].min(b.reference[k]),
         };
-        let contact = Contact {
+        Contact {
+            components: a.components.max(b.components),
             friction: core::array::from_fn(|k| a.friction[k].max(b.friction[k])),
             margin,
             reference: [reference(0), reference(1)],
             impedance: core::array::from_fn(|k| mixed(a.impedance[k], b.impedance[k])),
-        };
-        (self.components.max(other.components), contact)
+        }
     }
 }
 
-impl From<ContactOverride> for Contact {
-    fn from(given: ContactOverride) -> Self {
-        let ContactOverride { friction, margin, reference, impedance } = given;
-        Self { friction: [friction[0], friction[2], friction[3]], margin, reference, impedance }
+/// Returns the components of the contacts of a geom or of a pair; `None` if it has no `condim`, or
+/// with an error in the report.
+fn components(item: &Item, report: &mut Report<'_>) -> Option<ContactComponents> {
+    let count = item.number("condim")?;
+    let components = ContactComponents::from_count(count as usize);
+    if components.is_none() || count.fract() != 0.0 {
+        let message = format!("`condim=\"{count}\"` is no number of components");
+        let help = "write 1, 3, 4 or 6";
+        report.error(Code::NotRead, item.element().at, None, message, help);
+    }
+    components
+}
+
+/// A pair of `<contact>`, by the names of its geoms, and its own parameters.
+pub struct Pair {
+    geoms: [String; 2],
+    components: Option<ContactComponents>,
+    friction: Option<Vec<f64>>,
+    margin: Option<f64>,
+    reference: Option<Vec<f64>>,
+    impedance: Option<Vec<f64>>,
+}
+
+impl Pair {
+    pub fn of(item: &Item, report: &mut Report<'_>) -> Self {
+        let numbers = |name: &str| item.text(name).and_then(list);
+        let name = |attribute| item.text(attribute).map(|name| item.naming.name(name));
+        Self {
+            geoms: ["geom1", "geom2"].map(|attribute| name(attribute).unwrap_or_default()),
+            components: components(item, report),
+            friction: numbers("friction"),
+            margin: item.number("margin"),
+            reference: numbers("solref"),
+            impedance: numbers("solimp"),
+        }
+    }
+
+    /// Returns whether the pair is of these geoms.
+    pub fn is_of(&self, a: &Geom, b: &Geom) -> bool {
+        let is = |name: &str, geom: &Geom| geom.item.name().as_deref() == Some(name);
+        let [first, second] = &self.geoms;
+        is(first, a) && is(second, b) || is(first, b) && is(second, a)
+    }
+
+    /// Returns the contact of the pair: what it does not say follows from the laws of its geoms.
+    pub fn contact(&self, [a, b]: [&Law; 2]) -> Contact {
+        let mixed = a.mixed(b);
+        let [sliding, spin, roll] = mixed.friction;
+        let friction = filled(self.friction.as_deref(), [sliding, sliding, spin, roll, roll]);
+        Contact {
+            components: self.components.unwrap_or(mixed.components),
+            friction: isotropic(friction),
+            margin: self.margin.unwrap_or_else(|| a.contact.margin.max(b.contact.margin)),
+            reference: filled(self.reference.as_deref(), mixed.reference),
+            impedance: filled(self.impedance.as_deref(), mixed.impedance),
+        }
+    }
+}
+
+/// Returns the sliding, torsional and rolling friction of the five coefficients of a contact: both
+/// tangents, spin, both rolls.
+fn isotropic([sliding, _, spin, roll, _]: [f64; 5]) -> [f64; 3] {
+    [sliding, spin, roll]
+}
+
+/// Returns whether an attribute has other coefficients along the second tangent than along the
+/// first.
+pub fn is_anisotropic(coefficients: &[f64]) -> bool {
+    let differ = |a: usize, b: usize| {
+        coefficients.get(a).zip(coefficients.get(b)).is_some_and(|(a, b)| a != b)
+    };
+    differ(0, 1) || differ(3, 4)
+}
+
+impl ContactOverride {
+    /// Returns a contact with these parameters.
+    pub fn replaced(self, contact: Contact) -> Contact {
+        let Self { friction, margin, reference, impedance } = self;
+        let friction = isotropic(friction);
+        Contact { friction, margin, reference, impedance, ..contact }
     }
 }
 
@@ -143,7 +208,8 @@ impl Contact {
 }
 
 /// Returns the softness of a joint's limits and friction; `None` if it is `MuJoCo`'s default.
-pub fn joint_softness(joint: &Item, report: &mut Report<'_>) -> Option<SoftnessRecord> {
+/// Adds the joint to `rounded` if a power was rounded.
+pub fn joint_softness(joint: &Item, rounded: &mut Vec<Place>) -> Option<SoftnessRecord> {
     let names = ["solreflimit", "solimplimit", "solreffriction", "solimpfriction", "margin"];
     if names.iter().all(|name| joint.text(name).is_none()) {
         return None;
@@ -152,7 +218,7 @@ pub fn joint_softness(joint: &Item, report: &mut Report<'_>) -> Option<SoftnessR
     let mut softness = |reference: &str, impedance: &str| {
         let [least, most, width, midpoint, exponent] =
             filled(numbers(impedance).as_deref(), IMPEDANCE);
-        let power = power(exponent, joint.element().at, report);
+        let power = power(exponent, joint.element().at, rounded);
         Softness {
             reference: filled(numbers(reference).as_deref(), REFERENCE),
             impedance: Impedance { least, most, width, midpoint, power },
@@ -165,12 +231,11 @@ pub fn joint_softness(joint: &Item, report: &mut Report<'_>) -> Option<SoftnessR
     })
 }
 
-/// Returns the power of a curve of impedances.
-pub fn power(exponent: f64, at: usize, report: &mut Report<'_>) -> u32 {
+/// Returns the power of a curve of impedances, which is rounded to an integer: the place of one that
+/// was none is added to `rounded`.
+pub fn power(exponent: f64, at: usize, rounded: &mut Vec<Place>) -> u32 {
     if exponent >= 1.0 && exponent.fract() != 0.0 {
-        let message = format!("the power {exponent} of `solimp` is not read: it is rounded");
-        let help = "write an integer as the fifth number of `solimp`";
-        report.add(Severity::Warning, Code::NotRead, at, None, message, help);
+        rounded.push((Some(at), None));
     }
     exponent.round().clamp(1.0, 100.0) as u32
 }

@@ -52,12 +52,7 @@ impl<'e> Bodies<'e, '_, '_> {
             if item.name().is_some_and(|name| held.contains(&name)) {
                 continue;
             }
-            let sets = |name: &str| {
-                item.text(name)
-                    .and_then(list)
-                    .is_some_and(|numbers| numbers.iter().any(|number| *number != 0.0))
-            };
-            if sets("armature") {
+            if item.sets("armature") {
                 let message = "the `armature` of a tendon is not read";
                 let help = "write `armature=\"0\"`, or give it to the joints";
                 self.report.error(Code::NotRead, element.at, None, message, help);
@@ -69,7 +64,7 @@ impl<'e> Bodies<'e, '_, '_> {
             ];
             let acting = kinds_of_force
                 .into_iter()
-                .filter_map(|(name, acts)| (acts && sets(name)).then_some(name));
+                .filter_map(|(name, acts)| (acts && item.sets(name)).then_some(name));
             kinds.extend(acting.clone().map(|name| format!("`{name}`")));
             places.extend(acting.take(1).map(|_| (Some(element.at), None)));
         }

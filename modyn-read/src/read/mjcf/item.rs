@@ -57,6 +57,12 @@ impl<'e> Item<'e> {
         self.numbers(name).map(|[number]| number)
     }
 
+    /// Returns whether an attribute has a number that is not zero.
+    pub fn sets(&self, name: &str) -> bool {
+        let numbers = self.text(name).and_then(check::list);
+        numbers.is_some_and(|numbers| numbers.iter().any(|number| *number != 0.0))
+    }
+
     /// Returns the name of the element in the whole model; `None` if it has none.
     pub fn name(&self) -> Option<String> {
         let written = self.element().text("name").filter(|name| !name.is_empty());

@@ -17,6 +17,7 @@ mod element;
 mod equality;
 mod forces;
 mod geoms;
+mod ignored;
 mod inert_actuators;
 mod inertia;
 mod item;

@@ -65,7 +65,7 @@ pub const IMPEDANCE: [f64; 5] = [0.9, 0.95, 0.001, 0.5, 2.0];
 
 impl ContactOverride {
     /// Returns the parameters that are in the options `o_friction` and so on.
-    fn read(option: impl Fn(&str) -> Option<Vec<f64>>) -> Self {
+    fn read(option: impl Fn(&'static str) -> Option<Vec<f64>>) -> Self {
         Self {
             friction: filled(option("o_friction").as_deref(), [1.0, 1.0, 0.005, 0.0001, 0.0001]),
             margin: filled(option("o_margin").as_deref(), [0.0])[0],
@@ -115,11 +115,13 @@ impl<'e> Settings<'e> {
             flags.filter_map(|flag| flag.text(name)).last()
         };
         let disabled = |name| switch(name) == Some("disable");
-        let option = |name: &str| {
-            let options = root.named("option").filter_map(|section| section.text(name));
-            options.last()
-        };
-        let option_numbers = |name: &str| option(name).and_then(list);
+        let option = |name| last("option", name).map(|attribute| attribute.value.as_str());
+        let impratio = option("impratio").and_then(numbers).map(|[ratio]| ratio);
+        if let Some(ratio) = impratio.filter(|ratio| *ratio <= 0.0) {
+            let message = format!("`impratio` is {ratio}, which is not above 0");
+            let at = last("option", "impratio").map_or(root.at, |attribute| attribute.at);
+            report.error(Code::NotRead, at, None, message, "write 1, or a larger number");
+        }
         let euler = last("compiler", "eulerseq").map_or(Some(*b"xyz"), |attribute| {
             let letters = <[u8; 3]>::try_from(attribute.value.as_bytes()).ok();
             let axes =
@@ -174,11 +176,11 @@ impl<'e> Settings<'e> {
                 Some("elliptic") => Cone::Elliptic,
                 _ => Cone::Pyramidal,
             },
-            impratio: option("impratio").and_then(numbers).map(|[ratio]| ratio),
+            impratio: impratio.filter(|ratio| *ratio > 0.0),
             contacts: !disabled("contact") && !disabled("constraint"),
             limits: !disabled("limit") && !disabled("constraint"),
             overriding: (switch("override") == Some("enable"))
-                .then(|| ContactOverride::read(option_numbers)),
+                .then(|| ContactOverride::read(|name| option(name).and_then(list))),
         }
     }
 }

@@ -19,7 +19,7 @@ pub const MAX_SPRING_DAMPERS: usize = 1_000;
 pub const MAX_ACCELERATIONS: usize = 10_000_000;
 
 /// The least positive number by which MuJoCo divides.
-const LEAST: f64 = 1e-15;
+pub const LEAST: f64 = 1e-15;
 
 impl Bodies<'_, '_, '_> {
     /// Sets stiffness and damping of the joints with `springdamper`, by the inertia that opposes

@@ -155,7 +155,7 @@ const TABLE: &[Row] = &[
     },
     Row {
         parents: MODEL,
-        names: &["size", "statistic", "visual", "custom", "contact", "sensor"],
+        names: &["size", "statistic", "visual", "custom", "sensor"],
         treatment: Treatment::Harmless,
     },
     // Plugins have an effect where an element uses one.
@@ -168,8 +168,33 @@ const TABLE: &[Row] = &[
     },
     Row {
         parents: &["default"],
-        names: &["texture", "material", "camera", "light", "pair"],
+        names: &["texture", "material", "camera", "light"],
         treatment: Treatment::Harmless,
+    },
+    Row { parents: MODEL, names: &["contact"], treatment: Treatment::Read(&[], "") },
+    Row {
+        parents: &["contact", "default"],
+        names: &["pair"],
+        treatment: Treatment::Read(
+            &[
+                ("class", Text),
+                ("geom1", Text),
+                ("geom2", Text),
+                ("condim", Exactly(1)),
+                ("friction", UpTo(5)),
+                ("solref", UpTo(2)),
+                ("solreffriction", UpTo(2)),
+                ("solimp", UpTo(5)),
+                ("margin", Exactly(1)),
+                ("adhesion", Exactly(1)),
+            ],
+            "name gap",
+        ),
+    },
+    Row {
+        parents: &["contact"],
+        names: &["exclude"],
+        treatment: Treatment::Read(&[("body1", Text), ("body2", Text)], "name"),
     },
     Row { parents: MODEL, names: &["asset"], treatment: Treatment::Read(&[], "") },
     Row {
@@ -343,9 +368,10 @@ const TABLE: &[Row] = &[
                 ("solref", UpTo(2)),
                 ("solimp", UpTo(5)),
                 ("margin", Exactly(1)),
+                ("surfacevel", UpTo(6)),
+                ("adhesion", Exactly(1)),
             ],
-            "name material gap surfacevel adhesion \
-             rgba fluidshape fluidcoef castshadow user",
+            "name material gap rgba fluidshape fluidcoef castshadow user",
         ),
     },
     Row {

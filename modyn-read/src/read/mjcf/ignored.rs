@@ -1,0 +1,64 @@
+//! Warnings of what acts in `MuJoCo`'s steps and has no effect in the function `step`.
+
+use std::collections::BTreeMap;
+
+use crate::diagnostics::{Code, Place, Report};
+
+/// The places of what acts in `MuJoCo`'s steps and has no effect in `step`.
+#[derive(Default)]
+pub struct Ignored {
+    /// Height fields that a geom touches.
+    pub fields: Vec<Place>,
+    /// Geoms that touch a plane and whose contacts are not computed, by the reason.
+    pub untouched: BTreeMap<String, Vec<Place>>,
+    /// Geoms and pairs with parameters that are not read.
+    pub parameters: Vec<Place>,
+    /// Contacts with other friction along the second tangent.
+    pub anisotropic: Vec<Place>,
+    /// Curves of impedance whose power is no integer.
+    pub powers: Vec<Place>,
+    /// Tendons with limits.
+    pub tendons: Vec<Place>,
+}
+
+impl Ignored {
+    /// Warns once of each kind.
+    pub fn report(self, report: &mut Report<'_>) {
+        let Self { fields, untouched, parameters, anisotropic, powers, tendons } = self;
+        let mut warn = |mut places: Vec<Place>, message: &str, help: &str| {
+            places.sort_by_key(|(at, _)| *at);
+            places.dedup();
+            report.warn_once(Code::NotRead, &places, message, help);
+        };
+        warn(
+            fields,
+            "a height field does not stop the robot in `step`",
+            "use a plane, or steps on the ground with a `HeightField` of the caller",
+        );
+        warn(
+            parameters,
+            "`adhesion`, `surfacevel` and `solreffriction` of contacts have no effect in `step`",
+            "write zeros; apply the forces of adhesion and of moving surfaces as external wrenches",
+        );
+        warn(
+            anisotropic,
+            "contacts have in `step` the friction of the first tangent in all directions",
+            "write the same coefficient for both tangents, and for both directions of rolling",
+        );
+        warn(
+            powers,
+            "the power of `solimp` is rounded to an integer",
+            "write an integer as the fifth number; contacts mix the powers of two geoms",
+        );
+        warn(
+            tendons,
+            "the limits of a tendon do not act in `step`",
+            "limit its joints by `range`, or write `limited=\"false\"` if the tendon never reaches them",
+        );
+        for (why, places) in untouched {
+            let message = format!("a geom does not touch the ground in `step`: {why}");
+            let help = "give the body a geom of another type for its contacts";
+            warn(places, &message, help);
+        }
+    }
+}
