@@ -7,7 +7,8 @@ use modyn_codegen::{Base, ReadOptions, read};
 use modyn_runtime::equations::soft_constraints::{JointParameters, SoftModel, StepInput};
 use modyn_runtime::model::{
     Cone, Contact, ContactComponents, ContactKind, ContactShape, Friction, Impedance,
-    JointDynamics, LoopConstraintEnd, Model, ModuleTree, SoftConstraints, Softness, TouchingShape,
+    JointDynamics, JointSoftness, LoopConstraintEnd, Model, ModuleTree, SoftConstraints, Softness,
+    TouchingShape,
 };
 use modyn_runtime::quantities::Function;
 use modyn_runtime::spatial::{Matrix3, Pose, Twist, Vector3};
@@ -203,8 +204,8 @@ fn touching(seed: u64) -> Model {
     model.with_contacts(contacts).expect("links that move")
 }
 
-/// Random robots of MJCF over a plane in general position: shapes, components, cones, limits, friction
-/// and the settings of contacts and joints are those of the description.
+/// Random robots of MJCF over a plane in general position. The description has shapes, components, cones,
+/// limits and friction of all kinds, and the settings of contacts and joints.
 #[test]
 fn steps_on_a_floor_are_those_of_mujoco() {
     let data =
@@ -278,7 +279,7 @@ fn shaped(seed: u64) -> Model {
 /// are within the cone, and contacts that do not touch have none. Robots with mimic joints are among these.
 #[test]
 fn forces_and_accelerations_are_in_equilibrium() {
-    let (mut open, mut pushing, mut mimic) = (0, 0, 0);
+    let [mut open, mut pushing, mut mimic] = [0; 3];
     for seed in 0..60 {
         let model = touching(seed).with_friction(Friction::None).expect("no friction");
         mimic += usize::from(model.has_mimics());
@@ -422,6 +423,80 @@ fn programs_on_vectors_compute_the_steps_of_programs_on_scalars() {
         }
     }
     assert_eq!(compared, 40);
+}
+
+/// Shapes of equal limbs are in the lanes of vectors. One limb has a shape fewer than the others, and the joints have a softness of
+/// their own.
+#[test]
+fn shapes_on_vectors_compute_the_steps_of_the_interpreter() {
+    let mut pushing = 0;
+    for (kind, file) in (0..12).zip(list(&data()).iter().cycle()) {
+        let bare = robot(file).with_contacts(Vec::new()).expect("no contacts");
+        let mut random = Random::new(kind);
+        let mut shape = |name: String, frame: usize| {
+            let mut size = || random.between(0.05, 0.2);
+            let shape = match kind % 6 {
+                0 => ContactShape::Point,
+                1 => ContactShape::Segment(size()),
+                2 => ContactShape::Cuboid([size(), size(), size()]),
+                3 => ContactShape::Cylinder([size(), size()]),
+                4 => ContactShape::Ellipsoid([size(), size(), size()]),
+                _ => ContactShape::Points((0..3).map(|_| [size(), -size(), size()]).collect()),
+            };
+            let pose = Pose { rotation: random.any_rotation(), translation: [0.0; 3] };
+            TouchingShape {
+                name,
+                end: LoopConstraintEnd { frame, pose },
+                shape,
+                components: [1, 3, 4, 6]
+                    .map(|n| ContactComponents::from_count(n).expect("a number of MuJoCo's"))
+                    [kind as usize % 4],
+                surface: ContactSurface::<f64>::GROUND,
+                power: 2,
+            }
+        };
+        let ends = list(&file["contacts"]).iter().map(|contact| text(&contact["link"]));
+        let mut frames: Vec<usize> =
+            ends.map(|link| bare.frame_index(link).expect("a link")).collect();
+        frames.dedup();
+        let mut shapes: Vec<TouchingShape> =
+            frames.iter().map(|&frame| shape(format!("shape{frame}"), frame)).collect();
+        shapes.push(shape("second".into(), frames[0]));
+        shapes.push(shape("trunk".into(), 0));
+        let soften = |joint: usize| {
+            let standard = Softness::<f64>::standard();
+            let limit = Softness { reference: [0.02 + 0.001 * joint as f64, 1.0], ..standard };
+            JointSoftness { joint, margin: 0.01 * joint as f64, limit, friction: standard }
+        };
+        let soft = SoftConstraints {
+            cone: if kind % 2 == 0 { Cone::Elliptic } else { Cone::Pyramidal },
+            shapes,
+            joints: (1..bare.links().len()).map(soften).collect(),
+            ..SoftConstraints::default()
+        };
+        let model = bare.with_soft_constraints(soft).expect("links that move");
+        let choices = Choices { functions: vec![Function::Step], ..Choices::default() };
+        let modules = ModuleTree::chains(&model);
+        let plan = Plan::new(&model, &modules, &choices, Execution::Simd);
+        let plan = plan.unwrap_or_else(|_| panic!("the robot is small"));
+        let Kernels::Straight { simd: Some(simd), .. } = &plan.functions[0].kernels else {
+            panic!("{} has no program on vectors", model.name())
+        };
+        let mut interpreter = Interpreter::<f64>::new(model.clone());
+        for k in 0..5 {
+            let mut given = arguments(Function::Step, &model, &state(100 * kind + k, &model));
+            set(&mut given, TOLERANCE_OF_FORCES, 1e-12);
+            let expected = interpreted(&mut interpreter, Function::Step, &given);
+            let computed = simd.evaluate(&given.concat());
+            let largest = expected.iter().fold(1.0, |most: f64, x| most.max(x.abs()));
+            for (a, b) in computed.iter().zip(&expected) {
+                assert!((a - b).abs() <= 1e-9 * largest, "{} {kind} {k}: {a} {b}", model.name());
+            }
+            let forces = &expected[model.nq() + 2 * model.nv()..expected.len() - 2];
+            pushing += forces.chunks(3).filter(|force| force[2] > 0.0).count();
+        }
+    }
+    assert!(pushing > 50, "{pushing}");
 }
 
 /// The places of settings, and of numbers of a surface.

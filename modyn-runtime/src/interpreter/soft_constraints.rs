@@ -52,26 +52,25 @@ impl<S: Scalar> Interpreter<S> {
         settings: &StepSettings<S, impl AsRef<[ContactSurface<S>]>>,
         outputs: StepSolutionOutputs<'_, S>,
     ) -> Result<(), ShapeError> {
-        let shapes = self.model.touching_shapes();
-        let points: usize = shapes.iter().map(|shape| shape.shape.points()).sum();
-        check("q", input.q, self.model.nq())?;
-        check("qd", input.qd, self.model.nv())?;
-        check("tau", input.tau, self.model.nv())?;
-        check("warm_start", input.warm_start, self.model.nv())?;
-        check("step_settings.contacts", settings.contacts.as_ref(), shapes.len())?;
-        check("outputs.q", outputs.q, self.model.nq())?;
-        check("outputs.qd", outputs.qd, self.model.nv())?;
-        check("outputs.qdd", outputs.qdd, self.model.nv())?;
-        check("outputs.forces", outputs.forces, 3 * points)?;
-        let soft = self.soft.take().unwrap_or_else(|| {
-            Interpreter::<f64>::new(self.model.clone()).soft_model().map(S::from_f64)
+        let Self { model, soft, mechanism, elimination, workspace, .. } = self;
+        let soft = soft.get_or_insert_with(|| {
+            Interpreter::<f64>::new(model.clone()).soft_model().map(S::from_f64)
         });
-        let Self { mechanism, elimination, workspace, .. } = self;
+        let points: usize = soft.contacts.iter().map(|contact| contact.shape.points()).sum();
+        check("q", input.q, model.nq())?;
+        check("qd", input.qd, model.nv())?;
+        check("tau", input.tau, model.nv())?;
+        check("warm_start", input.warm_start, model.nv())?;
+        check("step_settings.contacts", settings.contacts.as_ref(), soft.contacts.len())?;
+        check("outputs.q", outputs.q, model.nq())?;
+        check("outputs.qd", outputs.qd, model.nv())?;
+        check("outputs.qdd", outputs.qdd, model.nv())?;
+        check("outputs.forces", outputs.forces, 3 * points)?;
         let mechanism = &soft.mechanism(mechanism);
-        let problem = StepProblem::new(mechanism, elimination, input, (&soft, settings), workspace);
+        let problem =
+            StepProblem::new(mechanism, elimination, input, (&*soft, settings), workspace);
         let SoftStep { motion, residual, iterations } = soft_step(problem);
         let [q, qd] = moved(mechanism, input, &motion.damped);
-        self.soft = Some(soft);
         outputs.q.copy_from_slice(&q);
         outputs.qd.copy_from_slice(&qd);
         outputs.qdd.copy_from_slice(&motion.qdd);

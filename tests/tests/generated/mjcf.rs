@@ -2,8 +2,9 @@
 
 use modyn::EmbeddedModel;
 use modyn_codegen::{ReadOptions, read};
-use modyn_runtime::Interpreter;
 use modyn_runtime::equations::derivatives::ForwardDerivatives;
+use modyn_runtime::equations::soft_constraints::StepInput;
+use modyn_runtime::{ContactSurface, Interpreter, StepSettings, StepSolutionOutputs};
 
 modyn::modyn!(Arm = "../../../modyn-read/tests/mjcf/arm.xml", friction = viscous);
 
@@ -12,6 +13,60 @@ modyn::modyn! {
     friction = none,
     functions = [forward_dynamics, inverse_dynamics, gravity_torques, potential_energy, forward_dynamics_derivatives],
     embed_model = true,
+}
+
+modyn::modyn! {
+    Standing = "../../../modyn-read/tests/mjcf/floor.xml",
+    functions = [step],
+    embed_model = true,
+}
+
+/// What touches the ground is in the embedded model, in the constants and in the step.
+#[test]
+fn shapes_on_a_floor_are_generated() {
+    let text = include_str!("../../../modyn-read/tests/mjcf/floor.xml");
+    let model = read(text, "floor.xml", &ReadOptions::default()).expect("an MJCF").model;
+    assert_eq!(Standing::model(), model);
+    assert_eq!(Standing::TOUCHING_SHAPE_NAMES, ["belly", "shank", "heel"]);
+    let settings = model.step_settings();
+    let contacts: [ContactSurface<f64>; 3] = settings.contacts.try_into().expect("three");
+    let settings = StepSettings { tolerance: 1e-12, impratio: settings.impratio, contacts };
+    let mut interpreter = Interpreter::<f64>::new(model);
+    let mut q = [0.1, 0.2, -0.35, 0.1, 0.2, 0.3, 0.9, 1.1];
+    interpreter.normalize(&mut q).expect("lengths");
+    let [qd, tau]: [[f64; Standing::NV]; 2] =
+        [0.7, 1.9].map(|k| core::array::from_fn(|i| (k * i as f64 + k).cos()));
+    let zeros = [0.0; Standing::NV];
+    let step = Standing::step(&q, &qd, &tau, 0.002, &zeros, &settings);
+    let mut next_q = [0.0; Standing::NQ];
+    let mut next_qd = [0.0; Standing::NV];
+    let mut qdd = zeros;
+    let mut forces = [0.0; 30];
+    let [mut residual, mut iterations] = [0.0; 2];
+    let outputs = StepSolutionOutputs {
+        q: &mut next_q,
+        qd: &mut next_qd,
+        qdd: &mut qdd,
+        forces: &mut forces,
+        residual: &mut residual,
+        iterations: &mut iterations,
+    };
+    let input = StepInput { q: &q, qd: &qd, tau: &tau, warm_start: &zeros, dt: 0.002 };
+    interpreter.step(input, &settings, outputs).expect("lengths");
+    assert!(step.forces.len() == 10 && forces.iter().filter(|force| **force != 0.0).count() > 6);
+    let generated_forces: Vec<f64> = step.forces.iter().flat_map(|force| force.0).collect();
+    let pairs = [
+        (&step.q[..], &next_q[..]),
+        (&step.qd, &next_qd),
+        (&step.qdd, &qdd),
+        (&generated_forces, &forces),
+    ];
+    for (generated, interpreted) in pairs {
+        let size = interpreted.iter().fold(1.0_f64, |most, x| most.max(x.abs()));
+        for (a, b) in generated.iter().zip(interpreted) {
+            assert!((a - b).abs() <= 1e-9 * size, "{a} is not {b}");
+        }
+    }
 }
 
 #[test]
