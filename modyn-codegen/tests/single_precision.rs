@@ -201,8 +201,8 @@ fn steps_reach_the_default_tolerance() {
                 // Both precisions have the same inputs.
                 let given =
                     given.map(|numbers| numbers.iter().map(|&x| f64::from(x as f32)).collect());
-                let found = step(&mut single, &given);
-                let (forces, ends) = found[nq + 2 * nv..].split_at(12);
+                let result = step(&mut single, &given);
+                let (forces, ends) = result[nq + 2 * nv..].split_at(12);
                 let [residual, iterations] = [ends[0], ends[1]];
                 assert!(residual <= tolerance && iterations <= most, "{iterations}: {residual:e}");
                 if forces.iter().any(|force| *force != 0.0) {
@@ -212,13 +212,13 @@ fn steps_reach_the_default_tolerance() {
                     let largest = expected[velocities.clone()]
                         .iter()
                         .fold(1.0, |most: f64, x| most.max(x.abs()));
-                    for (a, b) in found[velocities.clone()].iter().zip(&expected[velocities]) {
+                    for (a, b) in result[velocities.clone()].iter().zip(&expected[velocities]) {
                         assert!((a - b).abs() <= error * largest, "{a} {b} {residual:e}");
                     }
                 }
-                q = found[..nq].to_vec();
-                qd = found[nq..nq + nv].to_vec();
-                warm_start = found[nq + nv..nq + 2 * nv].to_vec();
+                q = result[..nq].to_vec();
+                qd = result[nq..nq + nv].to_vec();
+                warm_start = result[nq + nv..nq + 2 * nv].to_vec();
             }
         }
         assert!(touching > 200, "{touching}");

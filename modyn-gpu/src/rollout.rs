@@ -64,9 +64,9 @@ pub struct RolloutArguments<'a> {
     pub controls: &'a GpuArray,
     /// The duration of a step, s.
     pub dt: f32,
-    /// The settings of the function `step`, one state: the `numbers` of `ConstraintSettings`, then
-    /// those of each contact's target; for [`Function::Step`] those of `StepSettings`, then of each
-    /// contact's surface. `None` for the default.
+    /// The settings of the function `step`, one state: the `numbers` of `ConstraintSettings` and of
+    /// each contact's target, or for [`Function::Step`] the `numbers` of `StepSettings` and of each
+    /// touching shape's surface. `None` for the default.
     pub settings: Option<&'a GpuArray>,
     /// Numbers for the user's functions: one state.
     pub data: Option<&'a GpuArray>,

@@ -163,11 +163,12 @@ fn a_quadruped_lands_and_stands() {
 }
 
 /// Returns the state after the steps of the solver in double precision, and the forces of the last step.
-fn expected_by_solver(q: &[f64], goals: &[f64]) -> (Vec<f64>, Vec<f64>) {
+fn expected_by_solver(start: &[f64], goals: &[f64]) -> (Vec<f64>, Vec<f64>) {
     let builder = quadruped().functions([Function::Step]);
     let mut interpreter = Interpreter::<f64>::new(builder.plan().expect("good").model);
     let settings = StepSettings::<f64, [ContactSurface<f64>; 4]>::DEFAULT;
-    let (mut q, mut qd) = (q.to_vec(), vec![0.0; 18]);
+    let mut q = start.to_vec();
+    let mut qd = vec![0.0; 18];
     let mut qdd = vec![0.0; 18];
     let mut forces = vec![0.0; 12];
     for _ in 0..STEPS {
@@ -178,7 +179,8 @@ fn expected_by_solver(q: &[f64], goals: &[f64]) -> (Vec<f64>, Vec<f64>) {
         let warm_start = qdd.clone();
         let dt = f64::from(DT);
         let input = StepInput { q: &q, qd: &qd, tau: &tau, warm_start: &warm_start, dt };
-        let (mut next_q, mut next_qd) = (q.clone(), qd.clone());
+        let mut next_q = q.clone();
+        let mut next_qd = qd.clone();
         let [mut residual, mut iterations] = [0.0; 2];
         let outputs = StepSolutionOutputs {
             q: &mut next_q,
@@ -190,7 +192,8 @@ fn expected_by_solver(q: &[f64], goals: &[f64]) -> (Vec<f64>, Vec<f64>) {
         };
         interpreter.step(input, &settings, outputs).expect("lengths");
         assert!(residual <= settings.tolerance && iterations < 12.0, "{residual} {iterations}");
-        (q, qd) = (next_q, next_qd);
+        q = next_q;
+        qd = next_qd;
     }
     (q, forces)
 }
@@ -216,13 +219,13 @@ fn a_quadruped_lands_by_soft_constraints() {
     let controls = gpu.upload(&controls, 3).expect("room");
     let step = Function::Step;
     let arguments = RolloutArguments { step, ..RolloutArguments::new(&q, &qd, &controls, DT) };
-    let found = rollout.run(&arguments).expect("it runs").state.read().expect("numbers");
+    let last = rollout.run(&arguments).expect("it runs").state.read().expect("numbers");
     for (i, start) in starts.iter().enumerate() {
         let (state, forces) = expected_by_solver(start, &goals);
         assert!(forces.iter().filter(|force| **force != 0.0).count() > 6, "{forces:?}");
         for (j, x) in state.iter().enumerate() {
-            let error = (f64::from(found[3 * j + i]) - x).abs();
-            assert!(error < 3e-4, "rollout {i}, number {j}: {} and {x}", found[3 * j + i]);
+            let error = (f64::from(last[3 * j + i]) - x).abs();
+            assert!(error < 3e-4, "rollout {i}, number {j}: {} and {x}", last[3 * j + i]);
         }
     }
     // The default settings are those of the interpreter; others have as many numbers.

@@ -761,7 +761,7 @@ impl Robot {
     /// semi-implicit Euler, implicit in joint damping. Closed loops are not closed.
     ///
     /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number; `warm_start`: (nv,), by
-    /// default zeros; `settings`: `StepSettings`, by default those of `step_settings()`.
+    /// default zeros; `settings`: `StepSettings`, by default the result of `step_settings()`.
     /// Result: `StepSolution`: `q` (nq,), `qd` (nv,), `qdd` (nv,), `forces` (touching points, 3),
     /// `residual` a number, `iterations` a number. Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, tau, dt, warm_start=None, settings=None, *, out=None))]

@@ -64,7 +64,7 @@ fn argument(name: &str, shape: &Shape) -> String {
             "`ConstraintSettings`, by default with the ground at z = 0 under all contacts".into()
         }
         ("step_settings", _) => {
-            "`StepSettings`, by default those of `step_settings()`".into()
+            "`StepSettings`, by default the result of `step_settings()`".into()
         }
         ("warm_start", _) => "(nv,), by default zeros".into(),
         ("act", _) => "(activations,), which a robot without activations leaves out".into(),

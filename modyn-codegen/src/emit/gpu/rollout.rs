@@ -232,7 +232,7 @@ impl<'a> Step<'a> {
         }
     }
 
-    /// Returns the function whose settings are those of the kernel.
+    /// Returns the function whose settings the kernel has.
     fn function(&self) -> &'a GpuKernel {
         match self {
             Self::OfTable { step, .. } => step,
