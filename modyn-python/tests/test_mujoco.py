@@ -1,6 +1,7 @@
 """The functions beside MuJoCo, from the same MJCF."""
 
 import importlib.util
+import json
 from xml.etree import ElementTree
 
 import mujoco
@@ -281,3 +282,35 @@ def test_joints_that_do_not_fit_are_named():
     without = mujoco.MjModel.from_xml_string(text.replace('name="right"', 'name="other"').replace('joint1="right"', 'joint1="other"'))
     with pytest.raises(ValueError, match="no coordinates of MuJoCo's joint `other`"):
         modyn.conventions.MuJoCo(robot, without)
+
+
+@pytest.mark.parametrize("scene", range(8))
+@pytest.mark.filterwarnings("ignore:.*but in `step`")
+def test_motions_on_a_floor(scene):
+    """Motions of 50 steps of random robots over planes, each step from the accelerations of the last one."""
+    case = json.loads((GOLDEN / "floors.json").read_text())[scene]
+    robot = modyn.loads(case["mjcf"], file="floor.xml")
+    model = mujoco.MjModel.from_xml_string(case["mjcf"])
+    model.opt.timestep, model.opt.tolerance, model.opt.ls_tolerance = case["step"], 0, 1e-12
+    model.opt.iterations, model.opt.ls_iterations = 300, 100
+    data = mujoco.MjData(model)
+    settings = robot.step_settings()
+    settings.tolerance = 1e-13
+    assert len(settings.contacts) == len(robot.touching_shape_names) > 0
+    theirs = modyn.conventions.MuJoCo(robot, model)
+    start = case["states"][0]
+    q, qd, tau = (np.array(start[name]) for name in ("q", "qd", "tau"))
+    data.qpos[:], data.qvel[:] = theirs.to_qpos(q), theirs.to_qvel(q, qd)
+    # Forces on joints alone are the same in both orders of a free base.
+    data.qfrc_applied[:] = tau
+    qdd = np.zeros(robot.nv)
+    touched = 0
+    for _ in range(50):
+        x = robot.step(q, qd, tau, case["step"], qdd, settings)
+        mujoco.mj_step(model, data)
+        touched += (x.forces[:, 2] > 0).sum()
+        q, qd, qdd = x.q, x.qd, x.qdd
+        velocity = theirs.to_qvel(q, qd)
+        assert abs(velocity - data.qvel).max() <= 1e-6 * max(1, abs(data.qvel).max())
+    close(theirs.to_qpos(q), data.qpos, 1e-6)
+    assert touched > 0

@@ -89,7 +89,8 @@ impl Robot<'_> {
              let model = Model::new({:?}, {:?}, links.into(), frames.into());\n    \
              let model = model.and_then(|model| model.with_friction(Friction::{:?}));\n    \
              {passive}let model = model.and_then(|model| model.with_loop_constraints(loops.into()));\n    \
-             model\n        .and_then(|model| model.with_contacts(contacts.into()))\n        {soft}{actuation}{keyframes}\
+             model\n        .and_then(|model| model.with_contacts(contacts.into()))\n        \
+             {soft}{actuation}{keyframes}\
              .expect(\"the model was valid when this was compiled\")\n}}\n}}\n",
             self.name,
             model.links().len(),
@@ -124,8 +125,8 @@ fn soft_constraints(model: &Model) -> String {
     let joints = list(soft.joints.iter().map(|joint| format!("{joint:?}")));
     format!(
         ".and_then(|model| {{\n            use __modyn::ContactSurface;\n            use __modyn::model::{{Cone, \
-         ContactComponents, ContactShape, Impedance, JointSoftness, SoftConstraints, Softness, TouchingShape}};\n            \
-         model.with_soft_constraints(SoftConstraints {{ cone: Cone::{:?}, impratio: {:?}, shapes: {shapes}.into(), \
+         ContactComponents, ContactShape, Impedance, JointSoftness, SoftConstraints, Softness, \
+         TouchingShape}};\n            model.with_soft_constraints(SoftConstraints {{ cone: Cone::{:?}, impratio: {:?}, shapes: {shapes}.into(), \
          joints: {joints}.into(), joint_limits: {}, joint_friction: {} }})\n        }})\n        ",
         soft.cone, soft.impratio, soft.joint_limits, soft.joint_friction
     )

@@ -14,7 +14,8 @@ use super::bodies::Bodies;
 use super::equality::fixed_tendon;
 use super::inert_actuators::{Inert, InertActuators};
 use super::item::Item;
-use super::spring_dampers::{LEAST, MAX_ACCELERATIONS, MAX_SPRING_DAMPERS};
+use super::settings::LEAST;
+use super::spring_dampers::{MAX_ACCELERATIONS, MAX_SPRING_DAMPERS};
 use crate::description::{Kind, MAX_NUMBER, TakenNames};
 use crate::diagnostics::{Code, Subject};
 

@@ -7,8 +7,7 @@ use modyn_runtime::spatial::Pose;
 
 use super::check::{filled, list};
 use super::item::Item;
-use super::settings::{ContactOverride, IMPEDANCE, REFERENCE};
-use super::spring_dampers::LEAST;
+use super::settings::{ContactOverride, IMPEDANCE, LEAST, REFERENCE};
 use crate::description::SoftnessRecord;
 use crate::diagnostics::{Code, Place, Report};
 

@@ -6,6 +6,9 @@ use super::check::{filled, list, numbers};
 use super::element::Element;
 use crate::diagnostics::{Code, Report};
 
+/// The least positive number by which MuJoCo divides, its `mjMINVAL`.
+pub const LEAST: f64 = 1e-15;
+
 /// The settings of a model; the last of repeated attributes counts.
 pub struct Settings<'e> {
     /// The factor of angles to rad.

@@ -6,6 +6,7 @@ use modyn_runtime::Interpreter;
 use modyn_runtime::model::{Actuation, Friction, Inertial, Model};
 
 use super::bodies::Bodies;
+use super::settings::LEAST;
 use crate::assemble::assemble;
 use crate::description::{KeyframeRecord, Located, Mimic, ReadOptions};
 use crate::diagnostics::{Code, Report, Severity};
@@ -17,9 +18,6 @@ pub const MAX_SPRING_DAMPERS: usize = 1_000;
 /// The largest number of accelerations that are computed: all joints have one for each joint with
 /// `springdamper`.
 pub const MAX_ACCELERATIONS: usize = 10_000_000;
-
-/// The least positive number by which MuJoCo divides.
-pub const LEAST: f64 = 1e-15;
 
 impl Bodies<'_, '_, '_> {
     /// Sets stiffness and damping of the joints with `springdamper`, by the inertia that opposes
