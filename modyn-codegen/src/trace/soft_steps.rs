@@ -236,6 +236,7 @@ impl PackedRobot<'_> {
                     some(&|joint| joint.range[0], -OUT_OF_REACH),
                     some(&|joint| joint.range[1], OUT_OF_REACH),
                 ],
+                narrow: each.iter().flatten().any(|joint| joint.narrow),
                 margin: numbers(&|joint| joint.margin, 0.0),
                 mobility: numbers(&|joint| joint.mobility, first.mobility),
                 limit: softness(&|joint| joint.limit),

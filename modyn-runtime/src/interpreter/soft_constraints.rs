@@ -139,10 +139,12 @@ impl Interpreter<f64> {
             let friction = self.dry_friction(i);
             let mut softnesses = self.model.soft_constraints().joints.iter();
             let softness = softnesses.find(|softness| softness.joint == i);
+            let margin = softness.map_or(0.0, |softness| softness.margin);
             joints[dof] = Some(JointParameters {
                 coordinate: coordinates.start,
                 range: [lower, upper].map(|limit| Some(limit).filter(|x| stops && x.is_finite())),
-                margin: softness.map_or(0.0, |softness| softness.margin),
+                narrow: upper - lower <= 2.0 * margin,
+                margin,
                 mobility: mobility(&unit),
                 limit: softness.map_or_else(Softness::standard, |softness| softness.limit),
                 dry_friction: Some(friction).filter(|friction| *friction > 0.0),

@@ -65,8 +65,10 @@ pub struct ContactParameters<S> {
 pub struct JointParameters<S> {
     /// The entry of q.
     pub coordinate: usize,
-    /// The least and the largest coordinate, rad or m; farther from each other than twice the margin.
+    /// The least and the largest coordinate, rad or m.
     pub range: [Option<S>; 2],
+    /// Whether both limits can act at once, since the range is narrower than twice the margin.
+    pub narrow: bool,
     /// The distance from which on a limit acts, rad or m.
     pub margin: S,
     /// The mobility of the joint, 1/(kg m^2) or 1/kg: MuJoCo's `dof_invweight0`.
@@ -119,8 +121,7 @@ pub(super) struct BodyState<S> {
 pub(super) struct JointRow<S> {
     /// The degree of freedom, which is also the entry of qd.
     pub dof: usize,
-    /// The sign of the row: 1 for the lower limit and for friction, -1 for the upper limit, whichever
-    /// limit is nearer.
+    /// The sign of the row: 1 for the lower limit and for friction, -1 for the upper limit.
     pub sign: S,
     pub weight: S,
     pub reference: S,
@@ -294,6 +295,7 @@ impl<S: Copy> JointParameters<S> {
         JointParameters {
             coordinate: self.coordinate,
             range: self.range.map(|end| end.map(f)),
+            narrow: self.narrow,
             margin: f(self.margin),
             mobility: f(self.mobility),
             limit: self.limit.map(f),
@@ -370,17 +372,15 @@ pub(super) fn joint_rows<S: Scalar>(
         let velocity = input.qd[dof];
         let one = S::one();
         let [below, above] = [low.map(|low| coordinate - low), high.map(|high| high - coordinate)];
-        // Only the nearer limit can be violated.
-        let nearer = match (below, above) {
-            (Some(below), Some(above)) => Some((
-                (above - below).select_nonnegative(one, -one),
-                (above - below).select_nonnegative(below, above),
-            )),
-            (Some(below), None) => Some((one, below)),
-            (None, Some(above)) => Some((-one, above)),
-            (None, None) => None,
+        let stops = match (below, above) {
+            (Some(below), Some(above)) if !parameters.narrow => {
+                let lower_is_nearer = above - below;
+                let sign = lower_is_nearer.select_nonnegative(one, -one);
+                [Some((sign, lower_is_nearer.select_nonnegative(below, above))), None]
+            }
+            _ => [below.map(|below| (one, below)), above.map(|above| (-one, above))],
         };
-        if let Some((sign, distance)) = nearer {
+        for (sign, distance) in stops.into_iter().flatten() {
             let position = distance - margin;
             let state = RowState { position, velocity: sign * velocity, mobility };
             let row = parameters.limit.row(&state, input.dt);
