@@ -97,6 +97,7 @@ fn soft_model(file: &Value, cone: Cone, robot: &mut Interpreter<f64>) -> SoftMod
     let joint = |(k, range): (usize, &Value)| JointParameters {
         coordinate: 7 + k,
         range: <[f64; 2]>::try_from(numbers(range)).expect("two").map(Some),
+        narrow: false,
         margin: 0.0,
         mobility: mobility[k],
         limit: Softness::standard(),

@@ -231,7 +231,7 @@ impl PlanContext<'_> {
         let soft = Interpreter::<f64>::new(self.model.clone()).soft_model();
         let traced = |tracer: &Tracer<'_>, elimination: &Elimination| {
             let step = tracer.step(elimination, &soft);
-            let inputs = step.solution.inputs.end;
+            let inputs = step.results.inputs.end;
             let graph = match plain {
                 true => self.tracer.with_unit_quaternions(&step.graph, &[0], inputs),
                 false => step.graph,

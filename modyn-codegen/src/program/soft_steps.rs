@@ -1,18 +1,23 @@
-//! A step with soft constraints as a program: what runs once, then the iterations of the solver as
+//! A step with soft constraints as a program: what runs once, then the iterations of a solver as
 //! loops.
 //!
 //! ```text
-//! statements            what no iteration changes
-//! for at most 100 iterations
-//!     call advance      a full step of Newton's method
-//!     for at most 30 evaluations
-//!         call search   an evaluation of the line search
-//! statements            the state after the step
+//! statements                what no iteration changes
+//! for each solver, at most once
+//!     for at most 100 iterations
+//!         call advance      a full step of Newton's method
+//!         for at most 30 evaluations
+//!             call search   an evaluation of the line search
+//!     call solution         the accelerations and forces
+//! statements                the state after the step
 //! ```
 //!
+//! A robot with joint limits has two solvers, of which one runs: limits that do not act in a step
+//! have no rows in the first one, so that fewer limbs depend on the iterate.
+//!
 //! All parts are one graph. A node belongs to the part whose inputs it depends on. A node of the
-//! full step that only the results need, such as the acceleration of a limb that touches nothing,
-//! runs after the loops.
+//! full step that only the solution needs, such as the acceleration of a limb that touches nothing,
+//! runs with the solution.
 //!
 //! All languages but CasADi print the loops; MATLAB runs them for all states together, and each
 //! state leaves at its own end. Machine code has a function for each part
@@ -28,21 +33,23 @@ use super::{
     Routine, Row, Step, Table, Write,
 };
 use crate::graph::{Graph, Id, Node};
-use crate::trace::{SEARCH, StepGraph};
+use crate::trace::{SEARCH, SolverParts, StepGraph};
 
 /// The arrays of the loops: numbers that no iteration changes; the accelerations and balances of
-/// the rows at the start of an iteration, at the end of its full step, and where the next iteration
-/// starts; the numbers of the solver; the numbers of the last full step that the results need.
+/// the rows at the start of an iteration and at the end of its full step; the numbers of the
+/// solver; the numbers of the last full step that the solution needs; the solution; for each
+/// solver, the accelerations and balances where the next iteration starts.
 const FRONT: usize = 0;
 const START: usize = 1;
 const FULL: usize = 2;
-const NEXT: usize = 3;
-const SOLVER: usize = 4;
-const AFTER: usize = 5;
+const SOLVER: usize = 3;
+const AFTER: usize = 4;
+const SOLUTION: usize = 5;
+const NEXT: usize = 6;
 
 /// The numbers of the solver: the scale of the next iteration, the number of iterations, the
 /// residual, the end; the numbers of the search, of which the last is its end; the scale of this
-/// iteration.
+/// iteration; for each solver, whether it is left out.
 const SCALE: usize = 0;
 const ITERATIONS: usize = 1;
 const RESIDUAL: usize = 2;
@@ -50,10 +57,12 @@ const END: usize = 3;
 const SEARCH_START: usize = 4;
 const SEARCH_END: usize = SEARCH_START + SEARCH - 1;
 const LAST_SCALE: usize = SEARCH_START + SEARCH;
+const SKIP: usize = LAST_SCALE + 1;
 
-/// The tables of the loops, and the routines.
-const ITERATION: usize = 0;
-const EVALUATION: usize = 1;
+/// The tables of the loops.
+const ONCE: usize = 0;
+const ITERATION: usize = 1;
+const EVALUATION: usize = 2;
 
 /// The part whose inputs a node depends on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -64,6 +73,7 @@ enum Zone {
     Search,
     /// The inputs of the solution, or those of a full step whose results no iteration needs.
     Solution,
+    Results,
 }
 
 /// A lane of a node of the whole graph; lane 0 of a scalar.
@@ -83,16 +93,18 @@ struct Cut<'a> {
 }
 
 impl<'a> Cut<'a> {
-    fn new(step: &'a StepGraph) -> Self {
+    /// Returns the cut around one solver.
+    fn new(step: &'a StepGraph, solver: &SolverParts) -> Self {
         let graph = &step.graph;
-        let advance = graph.live_from(&graph.outputs[step.advance.outputs.clone()]);
+        let advance = graph.live_from(&graph.outputs[solver.advance.outputs.clone()]);
         let mut zones: Vec<Zone> = Vec::with_capacity(graph.nodes().len());
         for (i, node) in graph.nodes().iter().enumerate() {
             let zone = match *node {
                 Node::Input(number) => [
-                    (&step.advance, Zone::Advance),
-                    (&step.search, Zone::Search),
-                    (&step.solution, Zone::Solution),
+                    (&solver.advance, Zone::Advance),
+                    (&solver.search, Zone::Search),
+                    (&solver.solution, Zone::Solution),
+                    (&step.results, Zone::Results),
                 ]
                 .into_iter()
                 .find(|(part, _)| part.inputs.contains(&(number as usize)))
@@ -183,10 +195,133 @@ impl Captured {
     }
 }
 
+/// The steps of a solver, and its routines.
+struct Solver {
+    /// The index among the solvers.
+    index: usize,
+    /// The number of numbers in the array [`AFTER`].
+    after: usize,
+    steps: Vec<Step>,
+    pieces: [Piece; 3],
+}
+
+impl Solver {
+    /// Returns the solver with this index, and adds the nodes that it reads to `captured`.
+    fn new(step: &StepGraph, index: usize, captured: &mut Captured) -> Self {
+        let parts = &step.solvers[index];
+        let cut = Cut::new(step, parts);
+        let rows = parts.rows;
+        let next = NEXT + index;
+        let solver = |index: usize| Entry { array: SOLVER, index };
+
+        // The solution, and the nodes of the last full step that it reads.
+        let advance_outputs = cut.outputs(&parts.advance.outputs);
+        let [full, numbers] = split(&advance_outputs, 2 * rows);
+        let ends = [numbers[RESIDUAL], numbers[ITERATIONS]];
+        let outputs = [&cut.outputs(&parts.solution.outputs)[..], &ends].concat();
+        let solution = cut.piece(&outputs, |zone| zone == Zone::Solution);
+        let is_after =
+            |lane: &Lane| cut.zones[lane.0 as usize] == Zone::Advance && !ends.contains(lane);
+        let after: Vec<Lane> = solution.reads.iter().copied().filter(is_after).collect();
+        let solution_reads = solution.reads.iter().map(|&lane| {
+            let place = after.iter().position(|&other| other == lane);
+            match (place, cut.input(&parts.solution.inputs, lane)) {
+                (Some(place), _) => Read::Entry(AFTER, Place::fixed(place)),
+                (None, Some(row)) => Read::Entry(next, Place::fixed(row)),
+                (None, None) if lane == ends[0] => Read::Entry(SOLVER, Place::fixed(RESIDUAL)),
+                (None, None) if lane == ends[1] => Read::Entry(SOLVER, Place::fixed(ITERATIONS)),
+                (None, None) => captured.read(&step.graph, lane),
+            }
+        });
+        let solution_call = Call {
+            routine: 3 * index + 2,
+            reads: solution_reads.collect(),
+            writes: to(SOLUTION, outputs.len()).collect(),
+        };
+
+        let advance_inputs = parts.advance.inputs.clone();
+        let starts: Vec<Lane> = (advance_inputs.clone())
+            .map(|number| (step.graph.find(Node::input(number)).expect("a traced input"), 0))
+            .collect();
+        let start = &starts[..2 * rows];
+        let last_scale = starts[2 * rows];
+        let outputs = [start, full, full, numbers, &[last_scale], &after].concat();
+        let advance = cut.piece(&outputs, |zone| zone == Zone::Advance);
+        let advance_call = Call {
+            routine: 3 * index,
+            reads: (advance.reads.iter())
+                .map(|&lane| match cut.input(&advance_inputs, lane) {
+                    Some(k) if k < 2 * rows => Read::Entry(next, Place::fixed(k)),
+                    Some(k) => Read::Entry(SOLVER, Place::fixed(SCALE + k - 2 * rows)),
+                    None => captured.read(&step.graph, lane),
+                })
+                .collect(),
+            writes: to(START, 2 * rows)
+                .chain(to(FULL, 2 * rows))
+                .chain(to(next, 2 * rows))
+                .chain(to(SOLVER, LAST_SCALE + 1))
+                .chain(to(AFTER, after.len()))
+                .collect(),
+        };
+
+        let search = cut.piece(&cut.outputs(&parts.search.outputs), |zone| zone == Zone::Search);
+        let search_call = Call {
+            routine: 3 * index + 1,
+            reads: (search.reads.iter())
+                .map(|&lane| match cut.input(&parts.search.inputs, lane) {
+                    Some(k) if k < 2 * rows => Read::Entry(START, Place::fixed(k)),
+                    Some(k) if k < 4 * rows => Read::Entry(FULL, Place::fixed(k - 2 * rows)),
+                    Some(k) if k < 4 * rows + SEARCH - 1 => {
+                        Read::Entry(SOLVER, Place::fixed(SEARCH_START + k - 4 * rows))
+                    }
+                    Some(_) => Read::Entry(SOLVER, Place::fixed(LAST_SCALE)),
+                    None => captured.read(&step.graph, lane),
+                })
+                .collect(),
+            writes: to(next, 2 * rows)
+                .chain((0..SEARCH).map(|k| Write {
+                    array: SOLVER,
+                    place: Place::fixed(SEARCH_START + k),
+                    adds: false,
+                }))
+                .collect(),
+        };
+
+        let iterations = Step::Loop(Loop {
+            table: ITERATION,
+            reversed: false,
+            end: Some(solver(END)),
+            steps: vec![
+                Step::Call(advance_call),
+                Step::Loop(Loop {
+                    table: EVALUATION,
+                    reversed: false,
+                    end: Some(solver(SEARCH_END)),
+                    steps: vec![Step::Call(search_call)],
+                }),
+            ],
+        });
+        let steps = vec![iterations, Step::Call(solution_call)];
+        let steps = match parts.skip {
+            None => steps,
+            Some(_) => {
+                let end = Some(solver(SKIP + index));
+                vec![Step::Loop(Loop { table: ONCE, reversed: false, end, steps })]
+            }
+        };
+        Self { index, after: after.len(), steps, pieces: [advance, search, solution] }
+    }
+}
+
+/// Returns the destinations of numbers that replace the first entries of an array.
+fn to(array: usize, count: usize) -> impl Iterator<Item = Write> {
+    (0..count).map(move |index| Write { array, place: Place::fixed(index), adds: false })
+}
+
 impl Program {
     /// Returns the program of a step over `arguments` scalars. The results are those of the
-    /// solution, then the residual and the number of iterations. `pass` rewrites the graph of each
-    /// routine.
+    /// step's results, then the residual and the number of iterations. `pass` rewrites the graph of
+    /// each routine.
     ///
     /// # Errors
     ///
@@ -197,142 +332,62 @@ impl Program {
         execution: Execution,
         pass: fn(Graph) -> Graph,
     ) -> Result<Self, InvalidProgram> {
-        let cut = Cut::new(step);
-        let rows = step.rows;
-        let solver = |index: usize| Entry { array: SOLVER, index };
-        let solution = cut.outputs(&step.solution.outputs);
-        let is_main = |zone: Zone| zone == Zone::Front || zone == Zone::Solution;
-
-        // The results of loops, in the order in which the program reads them.
-        let is_argument = |lane: Lane| cut.zones[lane.0 as usize] == Zone::Front;
-        let read = cut.piece(&solution, is_main).reads;
-        let needed: Vec<Lane> = read.into_iter().filter(|&lane| !is_argument(lane)).collect();
-        let is_after = |lane: Lane| cut.input(&step.solution.inputs, lane).is_none();
-        let after: Vec<Lane> = needed.iter().copied().filter(|&lane| is_after(lane)).collect();
-
         let mut captured = Captured::default();
-        let advance_inputs = step.advance.inputs.clone();
-        let starts: Vec<Lane> = (advance_inputs.clone())
-            .map(|number| (step.graph.find(Node::input(number)).expect("a traced input"), 0))
-            .collect();
-        let advance_outputs = cut.outputs(&step.advance.outputs);
-        let [full, numbers] = split(&advance_outputs, 2 * rows);
-        let start = &starts[..2 * rows];
-        let last_scale = starts[2 * rows];
-        let outputs = [start, full, full, numbers, &[last_scale], &after].concat();
-        let advance = cut.piece(&outputs, |zone| zone == Zone::Advance);
-        let to = |array: usize, count: usize| {
-            (0..count).map(move |index| Write { array, place: Place::fixed(index), adds: false })
-        };
-        let advance_call = Call {
-            routine: ITERATION,
-            reads: (advance.reads.iter())
-                .map(|&lane| match cut.input(&advance_inputs, lane) {
-                    Some(k) if k < 2 * rows => Read::Entry(NEXT, Place::fixed(k)),
-                    Some(k) => Read::Entry(SOLVER, Place::fixed(SCALE + k - 2 * rows)),
-                    None => captured.read(&step.graph, lane),
-                })
-                .collect(),
-            writes: to(START, 2 * rows)
-                .chain(to(FULL, 2 * rows))
-                .chain(to(NEXT, 2 * rows))
-                .chain(to(SOLVER, LAST_SCALE + 1))
-                .chain(to(AFTER, after.len()))
-                .collect(),
-        };
-
-        let search = cut.piece(&cut.outputs(&step.search.outputs), |zone| zone == Zone::Search);
-        let search_call = Call {
-            routine: EVALUATION,
-            reads: (search.reads.iter())
-                .map(|&lane| match cut.input(&step.search.inputs, lane) {
-                    Some(k) if k < 2 * rows => Read::Entry(START, Place::fixed(k)),
-                    Some(k) if k < 4 * rows => Read::Entry(FULL, Place::fixed(k - 2 * rows)),
-                    Some(k) if k < 4 * rows + SEARCH - 1 => {
-                        Read::Entry(SOLVER, Place::fixed(SEARCH_START + k - 4 * rows))
-                    }
-                    Some(_) => Read::Entry(SOLVER, Place::fixed(LAST_SCALE)),
-                    None => captured.read(&step.graph, lane),
-                })
-                .collect(),
-            writes: to(NEXT, 2 * rows)
-                .chain((0..SEARCH).map(|k| Write {
-                    array: SOLVER,
-                    place: Place::fixed(SEARCH_START + k),
-                    adds: false,
-                }))
-                .collect(),
-        };
+        let solvers: Vec<Solver> =
+            (0..step.solvers.len()).map(|i| Solver::new(step, i, &mut captured)).collect();
 
         // The statements: results, then what is stored before the loops.
-        let first = cut.outputs(&step.first.outputs);
-        let main = cut.piece(&[&solution[..], &captured.nodes, &first].concat(), is_main);
-        let results: Vec<Entry> = (needed.iter())
-            .map(|&lane| match cut.input(&step.solution.inputs, lane) {
-                Some(index) => Entry { array: NEXT, index },
-                None => {
-                    let index = after.iter().position(|&other| other == lane);
-                    Entry { array: AFTER, index: index.expect("a node after the loops") }
-                }
-            })
-            .chain([solver(RESIDUAL), solver(ITERATIONS)])
-            .collect();
+        let cut = Cut::new(step, &step.solvers[0]);
+        let results = cut.outputs(&step.results.outputs);
+        let first = step.solvers.iter().flat_map(|parts| cut.outputs(&parts.first.outputs));
+        let skips = step.solvers.iter().filter_map(|parts| parts.skip);
+        let skips = skips.flat_map(|output| cut.outputs(&(output..output + 1)));
+        let stored: Vec<Lane> = captured.nodes.iter().copied().chain(first).chain(skips).collect();
+        let is_main = |zone: Zone| zone == Zone::Front || zone == Zone::Results;
+        let main = cut.piece(&[&results[..], &stored].concat(), is_main);
         let mut graph = Graph::default();
         let inputs: Vec<Id> = (main.reads.iter())
-            .map(|&lane| {
-                let place = needed.iter().position(|&other| other == lane);
-                match (place, step.graph.node(lane.0)) {
-                    (Some(place), _) => graph.input(arguments + place),
-                    (None, Node::Input(number)) => graph.input(number as usize),
-                    (None, _) => unreachable!("what runs before the loops is inside"),
-                }
+            .map(|&lane| match (cut.input(&step.results.inputs, lane), step.graph.node(lane.0)) {
+                (Some(place), _) => graph.input(arguments + place),
+                (None, Node::Input(number)) => graph.input(number as usize),
+                (None, _) => unreachable!("what runs before the loops is inside"),
             })
             .collect();
         let outputs = graph.compose(&main.graph, &inputs);
-        let (solved, stored) = outputs.split_at(solution.len());
-        let ends = graph.inputs(arguments + needed.len()..arguments + results.len());
+        let (results, stored) = outputs.split_at(results.len());
+        let given = step.results.inputs.len();
+        let ends = graph.inputs(arguments + given..arguments + given + 2);
         let [one, minus_one] = [1.0, -1.0].map(|number| graph.constant(number));
-        graph.outputs = [solved, &ends, stored, &[one, minus_one]].concat();
+        graph.outputs = [results, &ends, stored, &[one, minus_one]].concat();
+
+        let rows = step.solvers.iter().map(|parts| parts.rows);
+        let most_rows = rows.clone().max().unwrap_or(0);
+        let after = solvers.iter().map(|solver| solver.after).max().unwrap_or(0);
+        let numbers = SKIP + step.solvers.len();
+        let lengths =
+            [captured.nodes.len(), 2 * most_rows, 2 * most_rows, numbers, after, given + 2];
+        let arrays = lengths.into_iter().chain(rows.clone().map(|rows| 2 * rows));
         let entries =
             |array: usize, count: usize| (0..count).map(move |index| Entry { array, index });
+        let solver = |index: usize| Entry { array: SOLVER, index };
+        let skipped = solvers.iter().filter(|solver| step.solvers[solver.index].skip.is_some());
         let form = LoopForm {
-            loops: Loops {
-                arrays: [
-                    captured.nodes.len(),
-                    2 * rows,
-                    2 * rows,
-                    2 * rows,
-                    LAST_SCALE + 1,
-                    after.len(),
-                ]
-                .map(Array::flat)
-                .to_vec(),
-                stored: Vec::new(),
-                steps: vec![Step::Loop(Loop {
-                    table: ITERATION,
-                    reversed: false,
-                    end: Some(solver(END)),
-                    steps: vec![
-                        Step::Call(advance_call),
-                        Step::Loop(Loop {
-                            table: EVALUATION,
-                            reversed: false,
-                            end: Some(solver(SEARCH_END)),
-                            steps: vec![Step::Call(search_call)],
-                        }),
-                    ],
-                })],
-                results,
-            },
             stored: entries(FRONT, captured.nodes.len())
-                .chain(entries(NEXT, rows))
+                .chain(rows.enumerate().flat_map(|(i, rows)| entries(NEXT + i, rows)))
+                .chain(skipped.map(|choice| solver(SKIP + choice.index)))
                 .chain([solver(SCALE), solver(END)])
                 .collect(),
+            loops: Loops {
+                arrays: arrays.map(Array::flat).collect(),
+                stored: Vec::new(),
+                steps: solvers.iter().flat_map(|solver| solver.steps.clone()).collect(),
+                results: entries(SOLUTION, given + 2).collect(),
+            },
         };
         let mut program = Self::with_loops(&graph, &form, arguments, execution);
-        program.tables = [MAX_ITERATIONS, MAX_SEARCH].map(Table::of_length).to_vec();
-        program.routines = [advance, search]
-            .into_iter()
+        program.tables = [1, MAX_ITERATIONS, MAX_SEARCH].map(Table::of_length).to_vec();
+        program.routines = (solvers.into_iter())
+            .flat_map(|solver| solver.pieces)
             .map(|piece| {
                 Ok(Routine {
                     program: Self::try_new(&pass(piece.graph), piece.reads.len(), execution)?,

@@ -22,8 +22,21 @@ use crate::graph::{Expr, Graph};
 pub struct StepGraph {
     /// The graph.
     pub graph: Graph,
+    /// The solvers, of which one runs in a step: the first without the rows of joint limits, for
+    /// steps in which no limit acts.
+    pub solvers: Vec<SolverParts>,
+    /// The results but the residual and the number of iterations. Inputs: the solution of a solver.
+    pub results: Part,
+}
+
+/// The parts of a solver.
+pub struct SolverParts {
     /// The number of rows of the constraints.
     pub rows: usize,
+    /// The index of the output that leaves the solver out where it is at least zero.
+    pub skip: Option<usize>,
+    /// The accelerations of the rows before the first iteration. They have no inputs.
+    pub first: Part,
     /// The full step of an iteration. Inputs: the accelerations and balances of the rows, the
     /// scale, the number of iterations. Outputs: accelerations and balances; scale, iterations,
     /// residual, end; the search.
@@ -32,9 +45,8 @@ pub struct StepGraph {
     /// full step, the search without its end, the scale. Outputs: accelerations and balances; the
     /// search.
     pub search: Part,
-    /// The accelerations of the rows before the first iteration. They have no inputs.
-    pub first: Part,
-    /// The state and forces after the step. Inputs: the accelerations of the rows.
+    /// The solution: joint accelerations, those that move the state, forces. Inputs: the
+    /// accelerations of the rows.
     pub solution: Part,
 }
 
@@ -59,22 +71,22 @@ impl Tracer<'_> {
         let surfaces = ContactSurface::<Expr>::COUNT * soft.contacts.len();
         let settings = StepSettings::<Expr>::COUNT + surfaces;
         let first_input = nq + 3 * nv + 1 + settings + self.parameters.len();
-        let mut step = None;
+        let mut parts = Parts { next_input: first_input, ..Parts::default() };
+        let mut results = None;
         let groups = [nq, nv, nv, 1, nv, settings];
-        let graph = self.trace_groups(groups, |model, groups| {
-            let (parts, outputs) = match self.limbs {
-                None => on_scalars(model, elimination, soft, groups, first_input),
+        let graph = self.trace_groups(groups, |model, [q, qd, tau, dt, warm_start, settings]| {
+            let input = StepInput { q: &q, qd: &qd, tau: &tau, warm_start: &warm_start, dt: dt[0] };
+            match self.limbs {
+                None => parts.on_scalars(model, elimination, soft, (input, &settings)),
                 Some(limbs) => {
                     let robot = PackedRobot { model: self.model, whole: model, limbs };
-                    robot.step(elimination, soft, groups, first_input)
+                    robot.solvers(elimination, soft, (input, &settings), &mut parts);
                 }
-            };
-            step = Some(parts);
-            outputs
+            }
+            results = Some(parts.results(model, input));
+            std::mem::take(&mut parts.outputs)
         });
-        let Parts { rows, parts: [first, advance, search, solution] } =
-            step.expect("the parts are traced");
-        StepGraph { graph, rows, advance, search, first, solution }
+        StepGraph { graph, solvers: parts.solvers, results: results.expect("the step is traced") }
     }
 }
 
@@ -98,46 +110,10 @@ impl Tracer<'_> {
             let motion =
                 StepProblem::new(model, elimination, input, problem, &mut workspace).refined();
             let ends = [Expr::zero(), Expr::zero()];
-            [results(model, input, motion), ends.to_vec()].concat()
+            let [next_q, next_qd] = moved(model, input, &motion.damped);
+            [&next_q, &next_qd, &motion.qdd, motion.forces.as_flattened(), &ends].concat()
         })
     }
-}
-
-/// The parts of a step: the first accelerations, the full step, the search, the solution.
-struct Parts {
-    rows: usize,
-    parts: [Part; 4],
-}
-
-/// The arguments of a step: q, qd, tau, dt, the accelerations to start from, the settings.
-type Arguments = [Vec<Expr>; 6];
-
-/// Traces a step of a robot whose limbs are not merged.
-fn on_scalars(
-    model: &Mechanism<Expr>,
-    elimination: &Elimination,
-    soft: &SoftModel<f64>,
-    [q, qd, tau, dt, warm_start, settings]: Arguments,
-    first_input: usize,
-) -> (Parts, Vec<Expr>) {
-    let input = StepInput { q: &q, qd: &qd, tau: &tau, warm_start: &warm_start, dt: dt[0] };
-    let settings = settings_of(&settings);
-    let soft = soft.map(Expr::from_f64);
-    let model = &soft.mechanism(model);
-    let mut workspace = Workspace::new(model);
-    let problem = StepProblem::new(model, elimination, input, (&soft, &settings), &mut workspace);
-    let rows = vec![vec![true]; problem.rows()];
-    parts(problem, &rows, first_input, |motion| results(model, input, motion))
-}
-
-/// Returns the results of a step but the residual and the number of iterations.
-fn results(
-    model: &Mechanism<Expr>,
-    input: StepInput<'_, Expr>,
-    motion: SoftMotion<Expr>,
-) -> Vec<Expr> {
-    let [next_q, next_qd] = moved(model, input, &motion.damped);
-    [next_q, next_qd, motion.qdd, motion.forces.concat()].concat()
 }
 
 /// A robot with merged limbs.
@@ -149,14 +125,14 @@ struct PackedRobot<'a> {
 }
 
 impl PackedRobot<'_> {
-    /// Traces a step. The last parts are in the robot's own order.
-    fn step(
+    /// Traces the solvers. Their solutions are in the robot's own order.
+    fn solvers(
         &self,
         elimination: &Elimination,
         soft: &SoftModel<f64>,
-        [q, qd, tau, dt, warm_start, settings]: Arguments,
-        first_input: usize,
-    ) -> (Parts, Vec<Expr>) {
+        (given, settings): (StepInput<'_, Expr>, &[Expr]),
+        parts: &mut Parts,
+    ) {
         let Self { model, whole, limbs } = *self;
         let Elimination::Recursive(partition) = elimination else {
             unreachable!("robots with mimic joints have no merged limbs")
@@ -165,35 +141,33 @@ impl PackedRobot<'_> {
         let packing = limbs.touching(soft);
         let merged = limbs.merged(&soft.mechanism(model), whole.gravity);
         let elimination = Elimination::Recursive(limbs.partition(partition));
-        let given = StepInput { q: &q, qd: &qd, tau: &tau, warm_start: &warm_start, dt: dt[0] };
-        let [packed_qd, packed_tau, packed_warm] =
-            [&qd, &tau, &warm_start].map(|vector| limbs.vector(vector));
+        let [qd, tau, warm_start] =
+            [given.qd, given.tau, given.warm_start].map(|vector| limbs.vector(vector));
         let input = StepInput {
-            q: &limbs.coordinates(&q),
-            qd: &packed_qd,
-            tau: &packed_tau,
-            warm_start: &packed_warm,
-            dt: dt[0],
+            q: &limbs.coordinates(given.q),
+            qd: &qd,
+            tau: &tau,
+            warm_start: &warm_start,
+            dt: given.dt,
         };
         let (common, surfaces) = settings.split_at(StepSettings::<Expr>::COUNT);
-        let surfaces = packing.surfaces(surfaces);
-        let settings = settings_of(&[common, &surfaces].concat());
+        let settings = settings_of(&[common, &packing.surfaces(surfaces)].concat());
         let merged_soft = self.soft_model(soft, &packing);
         let mut workspace = Workspace::new(&merged);
-        let soft = (&merged_soft, &settings);
-        let problem = StepProblem::new(&merged, &elimination, input, soft, &mut workspace);
-        let joints = problem.joints_of_rows().map(|dof| {
-            let (lanes, _) = limbs.velocities().nth(dof).expect("a joint of the merged robot");
-            lanes.iter().map(Option::is_some).collect()
-        });
-        let rows: Vec<Vec<bool>> = packing.rows().chain(joints).collect();
-        parts(problem, &rows, first_input, |motion| {
-            let qdd = limbs.unpack_vector(&motion.qdd, nv);
-            let damped = limbs.unpack_vector(&motion.damped, nv);
-            let [next_q, next_qd] = moved(whole, given, &damped);
-            let forces = packing.unpack(&motion.forces.concat(), 3);
-            [next_q, next_qd, qdd, forces].concat()
-        })
+        for soft in merged_soft.solvers() {
+            let problem =
+                StepProblem::new(&merged, &elimination, input, (&soft, &settings), &mut workspace);
+            let joints = problem.joints_of_rows().map(|dof| {
+                let (lanes, _) = limbs.velocities().nth(dof).expect("a joint of the merged robot");
+                lanes.iter().map(Option::is_some).collect()
+            });
+            let rows: Vec<Vec<bool>> = packing.rows().chain(joints).collect();
+            parts.solver(problem, &rows, |motion| SoftMotion {
+                qdd: limbs.unpack_vector(&motion.qdd, nv),
+                damped: limbs.unpack_vector(&motion.damped, nv),
+                forces: packing.unpack(motion.forces.as_flattened(), 3).as_chunks().0.to_vec(),
+            });
+        }
     }
 
     /// Returns what the soft constraints have beside the settings, in lanes. A limb without a joint's limit has a
@@ -255,101 +229,142 @@ impl PackedRobot<'_> {
     }
 }
 
-/// Traces the parts of a problem. `rows` says of each row which lanes it has; `solution` returns the outputs of the last part.
-fn parts<T: BodyTree<Expr>>(
-    mut problem: StepProblem<'_, Expr, T>,
-    rows: &[Vec<bool>],
-    first_input: usize,
-    solution: impl FnOnce(SoftMotion<Expr>) -> Vec<Expr>,
-) -> (Parts, Vec<Expr>) {
-    let mut inputs = Inputs { next: first_input, rows };
-    let mut outputs = Vec::new();
-    let mut part = |inputs: Range<usize>, numbers: Vec<Expr>| {
-        let start = outputs.len();
-        outputs.extend(numbers);
-        Part { inputs, outputs: start..outputs.len() }
-    };
-    let first = problem.first();
-    let first = part(0..0, inputs.unpacked(&first.accelerations));
-
-    let begin = inputs.next;
-    let start = inputs.iterate();
-    let [scale, iterations] = inputs.array();
-    let progress = Progress { scale, iterations, ..Progress::first() };
-    let Advance { end, progress, search } = problem.advance(&start, &progress);
-    let Progress { scale, iterations, residual, end: ends } = progress;
-    let numbers = [
-        inputs.unpacked(&end.accelerations),
-        inputs.unpacked(&end.balances),
-        vec![scale, iterations, residual, ends],
-        search_numbers(&search).to_vec(),
-    ];
-    let advance = part(begin..inputs.next, numbers.concat());
-
-    let begin = inputs.next;
-    let [start, end] = [inputs.iterate(), inputs.iterate()];
-    let [low_place, low_slope, high_place, high_slope, least, scale] = inputs.array();
-    let search = Search {
-        low: [low_place, low_slope],
-        high: [high_place, high_slope],
-        least,
-        end: Expr::zero(),
-    };
-    let (point, search) = problem.search([&start, &end], &search, scale);
-    let numbers = [
-        inputs.unpacked(&point.accelerations),
-        inputs.unpacked(&point.balances),
-        search_numbers(&search).to_vec(),
-    ];
-    let search = part(begin..inputs.next, numbers.concat());
-
-    let begin = inputs.next;
-    let end = Iterate { accelerations: inputs.packed(), balances: vec![Expr::zero(); rows.len()] };
-    let motion = problem.motion(&end);
-    let solution = part(begin..inputs.next, solution(motion));
-    let count = rows.iter().flatten().filter(|is_there| **is_there).count();
-    (Parts { rows: count, parts: [first, advance, search, solution] }, outputs)
+/// The parts of a step while they are traced.
+#[derive(Default)]
+struct Parts {
+    next_input: usize,
+    outputs: Vec<Expr>,
+    solvers: Vec<SolverParts>,
 }
 
-/// The next input of a part, and the lanes of each row.
-struct Inputs<'a> {
-    next: usize,
-    rows: &'a [Vec<bool>],
-}
+impl Parts {
+    /// Traces the solvers of a robot whose limbs are not merged.
+    fn on_scalars(
+        &mut self,
+        model: &Mechanism<Expr>,
+        elimination: &Elimination,
+        soft: &SoftModel<f64>,
+        (input, settings): (StepInput<'_, Expr>, &[Expr]),
+    ) {
+        let settings = settings_of(settings);
+        let soft = soft.map(Expr::from_f64);
+        let model = &soft.mechanism(model);
+        let mut workspace = Workspace::new(model);
+        for soft in soft.solvers() {
+            let constraints = (&soft, &settings);
+            let problem = StepProblem::new(model, elimination, input, constraints, &mut workspace);
+            let rows = vec![vec![true]; problem.rows()];
+            self.solver(problem, &rows, |motion| motion);
+        }
+    }
 
-impl Inputs<'_> {
-    fn array<const N: usize>(&mut self) -> [Expr; N] {
-        self.next += N;
-        core::array::from_fn(|k| Expr::input(self.next - N + k))
+    /// Traces the solver of a problem. `rows` says of each row which lanes it has; `solution`
+    /// returns the solution in the robot's own order.
+    fn solver<T: BodyTree<Expr>>(
+        &mut self,
+        mut problem: StepProblem<'_, Expr, T>,
+        rows: &[Vec<bool>],
+        solution: impl FnOnce(SoftMotion<Expr>) -> SoftMotion<Expr>,
+    ) {
+        let first = problem.first();
+        let first = self.part(self.next_input, unpacked(&first.accelerations, rows));
+
+        let begin = self.next_input;
+        let start = self.iterate(rows);
+        let [scale, iterations] = self.inputs();
+        let progress = Progress { scale, iterations, ..Progress::first() };
+        let Advance { end, progress, search } = problem.advance(&start, &progress);
+        let Progress { scale, iterations, residual, end: ends } = progress;
+        let numbers = [
+            unpacked(&end.accelerations, rows),
+            unpacked(&end.balances, rows),
+            vec![scale, iterations, residual, ends],
+            search_numbers(&search).to_vec(),
+        ];
+        let advance = self.part(begin, numbers.concat());
+
+        let begin = self.next_input;
+        let [start, end] = [self.iterate(rows), self.iterate(rows)];
+        let [low_place, low_slope, high_place, high_slope, least, scale] = self.inputs();
+        let search = Search {
+            low: [low_place, low_slope],
+            high: [high_place, high_slope],
+            least,
+            end: Expr::zero(),
+        };
+        let (point, search) = problem.search([&start, &end], &search, scale);
+        let numbers = [
+            unpacked(&point.accelerations, rows),
+            unpacked(&point.balances, rows),
+            search_numbers(&search).to_vec(),
+        ];
+        let search = self.part(begin, numbers.concat());
+
+        let begin = self.next_input;
+        let end =
+            Iterate { accelerations: self.packed(rows), balances: vec![Expr::zero(); rows.len()] };
+        let SoftMotion { qdd, damped, forces } = solution(problem.motion(&end));
+        let solution = self.part(begin, [&qdd, &damped, forces.as_flattened()].concat());
+
+        let mut skip = None;
+        if let Some(unlimited) = self.solvers.last_mut() {
+            let [one, zero] = [Expr::one(), Expr::zero()];
+            let acts = (zero - problem.limits()).select_nonnegative(zero - one, one);
+            unlimited.skip = Some(self.outputs.len());
+            skip = Some(self.outputs.len() + 1);
+            self.outputs.extend([acts, zero - acts]);
+        }
+        let rows = rows.iter().flatten().filter(|is_there| **is_there).count();
+        self.solvers.push(SolverParts { rows, skip, first, advance, search, solution });
+    }
+
+    /// Traces the results of a step but the residual and the number of iterations.
+    fn results(&mut self, model: &Mechanism<Expr>, input: StepInput<'_, Expr>) -> Part {
+        let begin = self.next_input;
+        let solution = &self.solvers.last().expect("a step has a solver").solution;
+        let numbers: Vec<Expr> = solution.outputs.clone().map(|_| self.input()).collect();
+        let (qdd, rest) = numbers.split_at(model.nv);
+        let (damped, forces) = rest.split_at(model.nv);
+        let [next_q, next_qd] = moved(model, input, damped);
+        self.part(begin, [&next_q, &next_qd, qdd, forces].concat())
+    }
+
+    /// Returns the part of the inputs since `begin` with these outputs.
+    fn part(&mut self, begin: usize, numbers: Vec<Expr>) -> Part {
+        let start = self.outputs.len();
+        self.outputs.extend(numbers);
+        Part { inputs: begin..self.next_input, outputs: start..self.outputs.len() }
+    }
+
+    fn input(&mut self) -> Expr {
+        self.next_input += 1;
+        Expr::input(self.next_input - 1)
+    }
+
+    fn inputs<const N: usize>(&mut self) -> [Expr; N] {
+        core::array::from_fn(|_| self.input())
     }
 
     /// Returns a number for each row, which is an input in each lane that is there.
-    fn packed(&mut self) -> Vec<Expr> {
-        let Self { next, rows } = self;
-        let mut number = |is_there: &bool| {
-            if !is_there {
-                return Expr::zero();
-            }
-            *next += 1;
-            Expr::input(*next - 1)
-        };
+    fn packed(&mut self, rows: &[Vec<bool>]) -> Vec<Expr> {
+        let mut number = |is_there: &bool| if *is_there { self.input() } else { Expr::zero() };
         let row =
             |lanes: &Vec<bool>| Expr::pack(&lanes.iter().map(&mut number).collect::<Vec<_>>());
         rows.iter().map(row).collect()
     }
 
-    /// Returns the numbers of the rows in the order of [`packed`](Self::packed).
-    fn unpacked(&self, numbers: &[Expr]) -> Vec<Expr> {
-        let lanes = |(number, lanes): (&Expr, &Vec<bool>)| -> Vec<Expr> {
-            let there = lanes.iter().enumerate().filter(|(_, is_there)| **is_there);
-            there.map(|(lane, _)| number.extract_lane(lane)).collect()
-        };
-        numbers.iter().zip(self.rows).flat_map(lanes).collect()
+    fn iterate(&mut self, rows: &[Vec<bool>]) -> Iterate<Expr> {
+        Iterate { accelerations: self.packed(rows), balances: self.packed(rows) }
     }
+}
 
-    fn iterate(&mut self) -> Iterate<Expr> {
-        Iterate { accelerations: self.packed(), balances: self.packed() }
-    }
+/// Returns the numbers of the rows in each lane that is there.
+fn unpacked(numbers: &[Expr], rows: &[Vec<bool>]) -> Vec<Expr> {
+    let lanes = |(number, lanes): (&Expr, &Vec<bool>)| -> Vec<Expr> {
+        let there = lanes.iter().enumerate().filter(|(_, is_there)| **is_there);
+        there.map(|(lane, _)| number.extract_lane(lane)).collect()
+    };
+    numbers.iter().zip(rows).flat_map(lanes).collect()
 }
 
 /// Returns the numbers of a search.

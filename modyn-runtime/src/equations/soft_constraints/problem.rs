@@ -205,6 +205,14 @@ impl<'a, S: Scalar, T: BodyTree<S>> StepProblem<'a, S, T> {
         self.joints.iter().map(|row| row.dof)
     }
 
+    /// Returns a number that is zero if no limit of a joint acts, else positive or NaN.
+    pub fn limits(&self) -> S {
+        let contacts = self.contacts.iter().map(ContactRows::count).sum();
+        let weights = core::iter::repeat_n(S::zero(), contacts)
+            .chain(self.joints.iter().map(JointRow::weight_of_limit));
+        self.reduce(weights, |a, b| a + b)
+    }
+
     /// Returns the first iterate: the accelerations of the rows at `input.warm_start`, with forces that only the first full step overwrites.
     pub fn first(&mut self) -> Iterate<S> {
         let warm_start = self.input.warm_start.iter().zip(&self.fall);

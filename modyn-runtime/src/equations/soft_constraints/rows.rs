@@ -1,7 +1,7 @@
 //! The rows of soft constraints at a state: contacts of points with planes, joint limits, dry joint
 //! friction.
 
-use alloc::vec::Vec;
+use alloc::{vec, vec::Vec};
 
 use super::law::{self, ContactLaw, Response, RowState};
 use super::shapes;
@@ -350,6 +350,23 @@ impl<S: Scalar> SoftModel<S> {
     }
 }
 
+impl<S: Copy> SoftModel<S> {
+    /// Returns the constraints of the solvers, of which a step needs one: without the limits of
+    /// joints if there are any, for steps in which none acts, then with all constraints.
+    #[must_use]
+    pub fn solvers(&self) -> Vec<Self> {
+        let mut unlimited = self.clone();
+        for joint in unlimited.joints.iter_mut().flatten() {
+            joint.range = [None; 2];
+        }
+        let mut limits = self.joints.iter().flatten().flat_map(|joint| joint.range);
+        match limits.any(|limit| limit.is_some()) {
+            true => vec![unlimited, self.clone()],
+            false => vec![unlimited],
+        }
+    }
+}
+
 /// Returns the softness of a surface, with the power of its curve.
 pub(super) fn softness<S: Scalar>(surface: &ContactSurface<S>, power: u32) -> Softness<S> {
     let [least, most, width, midpoint] = surface.solimp;
@@ -408,6 +425,11 @@ pub(super) fn joint_rows<S: Scalar>(
 }
 
 impl<S: Scalar> JointRow<S> {
+    /// Returns the weight of a limit; zero for dry friction.
+    pub(super) fn weight_of_limit(&self) -> S {
+        if self.most.is_some() { S::zero() } else { self.weight }
+    }
+
     /// Returns the row with the weight times `scale`.
     pub(super) fn scaled(&self, scale: S) -> Self {
         Self { weight: self.weight * scale, ..*self }
