@@ -4,6 +4,8 @@
 //! escapes text in pictures. For terminals there is
 //! `modyn_read::diagnostics::sanitize_for_display`.
 
+use modyn_read::diagnostics::is_unprintable;
+
 /// Returns text, or an attribute's value, escaped for SVG and HTML.
 pub fn markup(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
@@ -16,6 +18,7 @@ pub fn markup(text: &str) -> String {
             '\'' => escaped += "&#39;",
             // Characters that XML forbids.
             c if c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}') => escaped.push('\u{fffd}'),
+            c if is_unprintable(c) => escaped += &format!("&#{};", u32::from(c)),
             _ => escaped.push(c),
         }
     }
@@ -27,15 +30,20 @@ pub fn markup(text: &str) -> String {
 pub fn json(value: &serde_json::Value) -> String {
     let mut escaped = String::new();
     for c in format!("{value:#}\n").chars() {
-        if c == '\n' || !modyn_read::diagnostics::is_unprintable(c) {
+        if c == '\n' || !is_unprintable(c) {
             escaped.push(c);
-            continue;
-        }
-        for unit in c.encode_utf16(&mut [0; 2]) {
-            escaped += &format!("\\u{unit:04x}");
+        } else {
+            json_character(&mut escaped, c);
         }
     }
     escaped
+}
+
+/// Writes a character within a string of JSON by its number.
+pub fn json_character(out: &mut String, c: char) {
+    for unit in c.encode_utf16(&mut [0; 2]) {
+        *out += &format!("\\u{unit:04x}");
+    }
 }
 
 /// Returns a cell of a table; a spreadsheet would take text that starts like a formula for one.
@@ -72,8 +80,8 @@ mod tests {
     #[test]
     fn special_characters_are_escaped() {
         assert_eq!(
-            markup("<b a=\"1\" c='2'>&\u{1b}\n"),
-            "&lt;b a=&quot;1&quot; c=&#39;2&#39;&gt;&amp;\u{fffd}\u{fffd}"
+            markup("<b a=\"1\" c='2'>&\u{1b}\n\u{202e}"),
+            "&lt;b a=&quot;1&quot; c=&#39;2&#39;&gt;&amp;\u{fffd}\u{fffd}&#8238;"
         );
         #[cfg(feature = "command")]
         assert_eq!([cell("=1+1"), cell("a\r\nb")], ["'=1+1", "a\u{fffd}\u{fffd}b"]);

@@ -46,6 +46,35 @@ fn inputs_are_not_overwritten() {
 fn files_of_others_are_kept() {
     let (_folder, path) = folder();
     let robot = path("a.urdf");
+    let mine = "a file of somebody else";
+    for arguments in [
+        &["convert", &*robot, &path("b.urdf")][..],
+        &["simulate", &robot, "--time", "0.1", "--csv", &path("b.csv")],
+        &["simulate", &robot, "--time", "0.1", "--plot", &path("b.svg")],
+        &["simulate", &robot, "--time", "0.1", "--csv", &path("c.csv"), "--html", &path("b.html")],
+        &["inspect", &robot, "--svg", &path("b.svg")],
+        &["view", &robot, "-o", &path("b.html")],
+    ] {
+        let file = arguments[arguments.len() - 1];
+        fs::write(file, mine).expect("a file");
+        let output = modyn(arguments);
+        assert_eq!(output.code, 2, "{arguments:?}: {}", output.err);
+        assert!(output.err.contains("modyn did not write"), "{arguments:?}: {}", output.err);
+        assert_eq!(fs::read_to_string(file).expect("the file"), mine, "{arguments:?}");
+        // Nothing is half done, as the table beside a page.
+        assert!(!Path::new(&path("c.csv")).exists());
+        // As the help says, and then again over the file of modyn.
+        fs::remove_file(file).expect("removed");
+        for _ in 0..2 {
+            assert_eq!(modyn(arguments).code, 0, "{arguments:?}");
+        }
+        fs::remove_file(file).expect("removed");
+        let _ = fs::remove_file(path("c.csv"));
+    }
+    fs::write(path("main.rs"), mine).expect("a file");
+    let kept = modyn(&["compare", &robot, "--rustc", "--keep", &path("")]);
+    assert!(kept.code == 2 && kept.err.contains("modyn did not write"), "{}", kept.err);
+    assert_eq!(fs::read_to_string(path("main.rs")).expect("the file"), mine);
     let header = "my own header";
     fs::write(path("arm.h"), header).expect("a file");
     let object = ["generate", &*robot, "--target", "object", "-o", &path("arm.o")];
@@ -53,6 +82,7 @@ fn files_of_others_are_kept() {
     assert_eq!(output.code, 2);
     assert!(output.err.contains("modyn did not write the file that is there"), "{}", output.err);
     assert_eq!(fs::read_to_string(path("arm.h")).expect("the file"), header);
+    assert!(!Path::new(&path("arm.o")).exists(), "all files are written, or none");
     // As the help says.
     fs::remove_file(path("arm.h")).expect("removed");
     for _ in 0..2 {
@@ -61,7 +91,7 @@ fn files_of_others_are_kept() {
     fs::write(path("robot.rs"), "mod robot;").expect("a file");
     let output = modyn(&["generate", &robot, "-o", &path("robot.rs")]);
     assert_eq!(output.code, 2, "{}", output.err);
-    assert!(output.err.contains("that modyn generated"), "{}", output.err);
+    assert!(output.err.contains("that modyn wrote"), "{}", output.err);
     // Generated files and empty ones are replaced.
     fs::write(path("empty.rs"), "").expect("a file");
     for more in [&[][..], &["--functions", "all"]] {
@@ -115,6 +145,9 @@ fn names_cannot_control_terminals() {
         &["convert", &*path("c1.urdf"), "-", "--to", "urdf"][..],
         &["inspect", &path("c1.urdf"), "--json"],
         &["check", &path("c1.urdf"), "--json"],
+        &["view", &path("c1.urdf"), "-o", "-"],
+        &["simulate", &path("c1.urdf"), "--time", "0.1", "--plot", "-"],
+        &["inspect", &path("c1.urdf"), "--svg", "-"],
     ] {
         let output = modyn(arguments);
         assert_eq!(output.code, 0, "{}", output.err);

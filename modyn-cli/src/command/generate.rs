@@ -14,10 +14,12 @@ use modyn_jit::{CompileError, InstructionSet};
 
 use crate::command::description::Description;
 use crate::command::options::CodeOptions;
-use crate::command::outcome::{Failure, to_file, to_generated_file, to_stderr, to_stdout};
+use crate::command::outcome::{
+    Failure, Written, may_write, to_file, to_stderr, to_stdout, write_all,
+};
 use crate::command::progress::Progress;
 use crate::command::robot::Robot;
-use modyn_codegen::output::has_content;
+use modyn_codegen::output::{Replaces, has_content};
 
 /// The report on a file that differs from what would be written.
 const STALE: &str = "stale: it is missing or was edited, or the description, an option or modyn has changed; \
@@ -218,11 +220,15 @@ fn write(
     description: &Description,
     named: &impl Fn(Diagnostics) -> Failure,
 ) -> Result<(), Failure> {
+    let inputs = description.inputs(None);
+    if let Some(path) = &arguments.c_header {
+        may_write(path, &inputs, Replaces::Written)?;
+    }
     let generated = builder.write(output).map_err(named)?;
     if let (Some(path), Some(header)) = (&arguments.c_header, &generated.c_header)
         && !has_content(path, header.as_bytes())
     {
-        to_generated_file(path, header, &description.inputs(None))?;
+        to_file(path, header, &inputs)?;
     }
     description.warn(arguments.robot.named(Diagnostics::new(generated.warnings)));
     Ok(())
@@ -262,7 +268,7 @@ fn rollout(
     match (current, arguments.check) {
         (_, true) => checked(output, !current),
         (true, false) => Ok(()),
-        (false, false) => to_generated_file(output, &source.text, &description.inputs(None)),
+        (false, false) => to_file(output, &source.text, &description.inputs(None)),
     }
 }
 
@@ -359,31 +365,22 @@ fn object(
     };
     progress.stop();
     description.warn(arguments.robot.named(Diagnostics::new(object.warnings)));
+    let header = output.with_extension("h");
+    let wrapper = output.with_extension("rs");
+    let text =
+        |path, text| Written { path, content: str::as_bytes(text), replaces: Replaces::Written };
     let files = [
-        (output.clone(), bytes),
-        (output.with_extension("h"), object.header.into_bytes()),
-        (output.with_extension("rs"), object.wrapper.into_bytes()),
+        Written { path: output, content: &bytes, replaces: Replaces::Any },
+        text(&header, &object.header),
+        text(&wrapper, &object.wrapper),
     ];
-    let inputs = description.inputs(None);
-    let mut stale = false;
-    for (path, content) in files {
-        let current = has_content(&path, &content);
-        if arguments.check {
-            stale |= !current;
-        } else if !current && path == *output {
-            to_file(&path, &content, &inputs)?;
-        } else if !current {
-            to_generated_file(&path, &content, &inputs)?;
-        }
-    }
+    let changed = files.into_iter().filter(|file| !has_content(file.path, file.content));
+    let changed: Vec<Written> = changed.collect();
     if arguments.check {
-        let verdict = if stale { "stale" } else { "up to date" };
-        to_stderr(&format!(
-            "{} is {verdict}\n",
-            sanitize_for_display(&output.display().to_string())
-        ));
+        checked(output, !changed.is_empty())
+    } else {
+        write_all(&changed, &description.inputs(None))
     }
-    if stale { Err(Failure::Reported) } else { Ok(()) }
 }
 
 fn stale(

@@ -7,7 +7,7 @@ use std::process::ExitCode;
 
 use modyn_codegen::diagnostics::sanitize_for_display;
 use modyn_codegen::diagnostics::{Code, Diagnostics};
-use modyn_codegen::output::{Replaces, write_file};
+use modyn_codegen::output::{Replaces, check_place, write_file};
 
 use crate::command::description::Description;
 use crate::command::diagnostics;
@@ -70,11 +70,6 @@ pub fn to_stdout(text: &str) -> Result<(), Failure> {
     written(anstream::stdout().lock(), text.as_bytes())
 }
 
-/// Writes bytes to standard output. A broken pipe is not an error.
-fn bytes_to_stdout(content: &[u8]) -> Result<(), Failure> {
-    written(std::io::stdout().lock(), content)
-}
-
 fn written(mut out: impl Write, content: &[u8]) -> Result<(), Failure> {
     match out.write_all(content).and_then(|()| out.flush()) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
@@ -90,36 +85,48 @@ pub fn to_stderr(text: &str) {
     let _ = anstream::stderr().lock().write_all(text.as_bytes());
 }
 
-/// Writes a file, or to standard output for `-`. None of the `inputs` is overwritten.
-pub fn to_file(
-    path: &Path,
-    content: &(impl AsRef<[u8]> + ?Sized),
-    inputs: &[PathBuf],
-) -> Result<(), Failure> {
-    write(path, content.as_ref(), inputs, Replaces::Any)
+/// Writes a text, or to standard output for `-`. None of the `inputs` is overwritten, nor a text
+/// that modyn did not write.
+pub fn to_file(path: &Path, text: &str, inputs: &[PathBuf]) -> Result<(), Failure> {
+    write_all(&[Written { path, content: text.as_bytes(), replaces: Replaces::Written }], inputs)
 }
 
-/// Writes a generated file, which replaces only files that modyn generated; or to standard output
-/// for `-`.
-pub fn to_generated_file(
-    path: &Path,
-    content: &(impl AsRef<[u8]> + ?Sized),
-    inputs: &[PathBuf],
-) -> Result<(), Failure> {
-    write(path, content.as_ref(), inputs, Replaces::Generated)
+/// A file to be written.
+pub struct Written<'a> {
+    pub path: &'a Path,
+    pub content: &'a [u8],
+    pub replaces: Replaces,
 }
 
-fn write(
-    path: &Path,
-    content: &[u8],
-    inputs: &[PathBuf],
-    replaces: Replaces,
-) -> Result<(), Failure> {
-    if path == Path::new("-") {
-        return bytes_to_stdout(content);
+/// Writes files, or to standard output for `-`, once all of them may be written.
+pub fn write_all(files: &[Written], inputs: &[PathBuf]) -> Result<(), Failure> {
+    for file in files {
+        may_write(file.path, inputs, file.replaces)?;
     }
-    write_file(path, content, inputs, replaces).map_err(|error| {
-        let path = sanitize_for_display(&path.display().to_string());
-        Failure::usage(format!("error: `{path}` cannot be written: {error}"))
-    })
+    for file in files {
+        if is_stdout(file.path) {
+            written(std::io::stdout().lock(), file.content)?;
+        } else {
+            write_file(file.path, file.content, inputs, file.replaces)
+                .map_err(|error| cannot_be_written(file.path, &error))?;
+        }
+    }
+    Ok(())
+}
+
+/// Checks that a file may be written, before the work for it.
+pub fn may_write(path: &Path, inputs: &[PathBuf], replaces: Replaces) -> Result<(), Failure> {
+    if is_stdout(path) {
+        return Ok(());
+    }
+    check_place(path, inputs, replaces).map_err(|error| cannot_be_written(path, &error))
+}
+
+fn is_stdout(path: &Path) -> bool {
+    path == Path::new("-")
+}
+
+fn cannot_be_written(path: &Path, error: &std::io::Error) -> Failure {
+    let path = sanitize_for_display(&path.display().to_string());
+    Failure::usage(format!("error: `{path}` cannot be written: {error}"))
 }

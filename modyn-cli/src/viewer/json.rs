@@ -1,6 +1,8 @@
 //! The data of a page: JSON that can be within an element of HTML.
 
-use std::fmt::Write as _;
+use modyn_read::diagnostics::is_unprintable;
+
+use crate::escape::json_character;
 
 /// Writes a list of items.
 pub fn list<T>(
@@ -36,17 +38,16 @@ pub fn number(out: &mut String, x: f64) {
     }
 }
 
-/// Writes a text. `<` is escaped, so that no text ends the element.
+/// Writes a text. `<` is escaped, so that no text ends the element, and characters that control a
+/// terminal or are invisible are escaped, too.
 pub fn text(out: &mut String, text: &str) {
     out.push('"');
     for c in text.chars() {
         match c {
             '"' => *out += "\\\"",
             '\\' => *out += "\\\\",
-            '<' | '\u{2028}' | '\u{2029}' | '\0'..='\u{1f}' => {
-                let _ = write!(out, "\\u{:04x}", u32::from(c));
-            }
-            _ => out.push(c),
+            c if c == '<' || is_unprintable(c) => json_character(out, c),
+            c => out.push(c),
         }
     }
     out.push('"');

@@ -11,7 +11,7 @@ use modyn_read::diagnostics::{Code, Diagnostic, Diagnostics};
 use super::source::{Source, resolve_path};
 use super::{Builder, Generated};
 use crate::emit::{File, Target};
-use crate::output::{ORIGIN, Replaces, has_content, write_file};
+use crate::output::{ORIGIN, Replaces, check_place, has_content, write_file};
 
 /// Files with their texts.
 type PathsAndTexts = Vec<(PathBuf, String)>;
@@ -58,6 +58,11 @@ impl Builder {
         path: impl AsRef<Path>,
     ) -> Result<Vec<Diagnostic>, Diagnostics> {
         let (files, warnings) = self.files_to_write(target, path.as_ref())?;
+        let inputs = self.read_files();
+        for (path, _) in &files {
+            check_place(path, &inputs, Replaces::Written)
+                .map_err(|reason| write_error(path, &reason))?;
+        }
         for (path, text) in files {
             let folder = path.parent().map_or(Ok(()), std::fs::create_dir_all);
             folder.map_err(|reason| write_error(&path, &reason))?;
@@ -71,7 +76,7 @@ impl Builder {
         if has_content(path, text.as_bytes()) {
             return Ok(());
         }
-        let written = write_file(path, text.as_bytes(), &self.read_files(), Replaces::Generated);
+        let written = write_file(path, text.as_bytes(), &self.read_files(), Replaces::Written);
         written.map_err(|reason| write_error(path, &reason))
     }
 
@@ -198,7 +203,7 @@ impl Builder {
 fn write_error(path: &Path, reason: &std::io::Error) -> Diagnostics {
     let message = format!("`{}` cannot be written: {reason}", path.display());
     let help = match reason.kind() {
-        ErrorKind::AlreadyExists => "give the path of a new file, or of one that modyn generated",
+        ErrorKind::AlreadyExists => "give the path of a new file, or of one that modyn wrote",
         _ => "give a path in a folder that exists and can be written to",
     };
     Diagnostic::error(Code::Output, message).with_help(help).into()

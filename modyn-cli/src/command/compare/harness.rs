@@ -7,6 +7,7 @@ use std::process::Command;
 
 use modyn_codegen::Function;
 use modyn_codegen::diagnostics::sanitize_for_display;
+use modyn_codegen::output::ORIGIN;
 use modyn_runtime::model::Model;
 use tempfile::TempDir;
 
@@ -92,8 +93,9 @@ impl Harness<'_> {
         let robot = folder.join("robot.rs");
         let main = folder.join("main.rs");
         to_file(&robot, self.robot, &[])?;
-        to_file(&main, &self.main(model), &[])?;
-        to_file(&folder.join("timing.rs"), TIMING, &[])?;
+        let marked = |text: &str| format!("// {ORIGIN} compare.\n{text}");
+        to_file(&main, &marked(&self.main(model)), &[])?;
+        to_file(&folder.join("timing.rs"), &marked(TIMING), &[])?;
         let program = folder.join(format!("compare{}", std::env::consts::EXE_SUFFIX));
         let mut command = Command::new(&self.rustc.path);
         command.args([

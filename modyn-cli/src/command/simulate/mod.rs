@@ -17,10 +17,11 @@ use clap::Args;
 use modyn_codegen::ReadOptions;
 use modyn_codegen::diagnostics::Diagnostics;
 use modyn_codegen::diagnostics::sanitize_for_display;
+use modyn_codegen::output::Replaces;
 use modyn_runtime::model::Model;
 
 use crate::command::numbers::numbers;
-use crate::command::outcome::{Failure, to_file, to_stderr, to_stdout};
+use crate::command::outcome::{Failure, may_write, to_file, to_stderr, to_stdout};
 use crate::command::progress::Progress;
 use crate::command::robot::{Robot, needs_dynamics};
 use crate::command::view::note_shapes;
@@ -103,6 +104,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let reading = read.map_err(|diagnostics| description.failure(diagnostics))?;
     let mut inputs = description.inputs(Some(&reading));
     inputs.extend(arguments.torques.clone());
+    for path in [&arguments.csv, &arguments.plot, &arguments.html].into_iter().flatten() {
+        may_write(path, &inputs, Replaces::Written)?;
+    }
     description.warn(Diagnostics::new(reading.warnings));
     let model = reading.model;
     needs_dynamics(&model, "simulate")?;
