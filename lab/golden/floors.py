@@ -7,7 +7,9 @@ import mujoco
 import numpy
 
 STEP = 0.002
-ROBOTS = 24
+ROBOTS = 32
+#: The first robot with closed loops.
+LOOPS = 24
 STATES = 4
 KINDS = ("sphere", "capsule", "box", "cylinder", "ellipsoid")
 #: The power of all curves of impedance: contacts mix those of two geoms, and modyn has integers.
@@ -63,6 +65,20 @@ def pair(rng):
             f'margin="{numbers(rng.uniform(0.0, 0.02))}" {softness(rng)}/>')
 
 
+def closures(rng, k):
+    """A loop between two limbs, or the base and its limb, and one between a limb and the world, by points or welds."""
+    def constraint(name, first, second, weld):
+        anchor = f'anchor="{numbers(rng.uniform(-0.1, 0.1, 3))}"'
+        scale = f'torquescale="{numbers(rng.uniform(0.2, 2.0))}"' * weld
+        return f'<{name} body1="{first}" body2="{second}" {anchor} {scale} {softness(rng)}/>'
+
+    kinds = ["connect", "weld"] if k % 2 else ["weld", "connect"]
+    first = "limb0" if k % 3 else "base"
+    inner = constraint(kinds[0], first, f"limb{k % 3}", kinds[0] == "weld")
+    outer = constraint(kinds[1], "limb0", "world", kinds[1] == "weld") * (k % 4 == 1)
+    return f"<equality>{inner}{outer}</equality>"
+
+
 def overriding(rng):
     """Settings of all contacts, which replace those of the geoms."""
     slide, spin, roll = rng.uniform(0.2, 1.0), *rng.uniform(0.005, 0.1, 2)
@@ -76,7 +92,7 @@ def scene(rng, k):
     limbs = ""
     for i in range(1 + k % 3):
         inner = f"<body pos='{numbers(rng.uniform(-0.2, 0.2, 3))}'>{joint(rng)}{geom(rng, kinds[2 * i])}</body>" * (i != 1)
-        limbs += f"<body pos='{numbers(rng.uniform(-0.3, 0.3, 3))}' {turned(rng)}>{joint(rng)}{geom(rng, kinds[2 * i + 1])}{inner}</body>"
+        limbs += f"<body name='limb{i}' pos='{numbers(rng.uniform(-0.3, 0.3, 3))}' {turned(rng)}>{joint(rng)}{geom(rng, kinds[2 * i + 1])}{inner}</body>"
     rotation = numpy.array(ground.rotation(rng.normal(size=3), rng.uniform(0, 0.6)))
     floor = (f'<geom name="floor" type="plane" size="0 0 1" pos="{numbers(rng.uniform(-0.3, 0.3, 3))}" '
              f'quat="{numbers(rotation)}" contype="1" conaffinity="2" {contact(rng)}/>')
@@ -88,12 +104,12 @@ def scene(rng, k):
     contacts = f"<contact>{pair(rng)}</contact>" if kind == 1 else ""
     base = base.replace('contype="2"', 'contype="0"').replace('conaffinity="1"', 'conaffinity="0"') if kind == 1 else base
     if kind == 2:
-        contacts = '<contact><exclude body1="world" body2="limb"/></contact>'
-        limbs = limbs.replace("<body ", '<body name="limb" ', 1)
+        contacts = '<contact><exclude body1="world" body2="limb0"/></contact>'
     option = overriding(rng) if kind == 3 else ""
     flag = '<flag override="enable"/>' if kind == 3 else ""
     return (f'<mujoco model="floor {k}"><compiler angle="radian"/><option cone="{cone}" impratio="{numbers(rng.uniform(0.5, 4))}" '
-            f"{option}>{flag}</option><worldbody>{floor}<body name='base'><freejoint/>{base}{limbs}</body></worldbody>{contacts}</mujoco>")
+            f"{option}>{flag}</option><worldbody>{floor}<body name='base'><freejoint/>{base}{limbs}</body></worldbody>{contacts}"
+            f"{closures(rng, k) if k >= LOOPS else ''}</mujoco>")
 
 
 def to_modyn(qpos, qvel):

@@ -13,11 +13,12 @@ use modyn_runtime::equations::brge::UduLayout;
 use modyn_runtime::equations::constraints::{
     ConstrainedInverseOutputs, ConstrainedOutputs, ProjectionOutputs, ResidualOutputs,
 };
+use modyn_runtime::equations::soft_constraints::{LoopParameters, SoftModel, StepInput};
 use modyn_runtime::equations::{ForwardInput, Motion, State};
 use modyn_runtime::mechanism::Mechanism;
-use modyn_runtime::model::{LoopConstraint, Model, ModelErrorKind, ModuleTree};
+use modyn_runtime::model::{Friction, LoopConstraint, Model, ModelErrorKind, ModuleTree};
 use modyn_runtime::spatial::{Pose, Twist, Wrench};
-use modyn_runtime::{ConstraintSettings, Forces, Interpreter};
+use modyn_runtime::{ConstraintSettings, Forces, Interpreter, StepSolutionOutputs};
 
 const FOUR_BAR: &str = include_str!("../../robots/four_bar.urdf");
 const FIVE_BAR: &str = include_str!("../../robots/five_bar.urdf");
@@ -757,6 +758,74 @@ fn steps_close_the_loops() {
         let gaps: Vec<f64> = (0..6).map(|_| step(&mut q, &mut qd)).collect();
         assert!(gaps[0] > 1e-3 && gaps[5] < 1e-13, "{gaps:?}");
     }
+}
+
+/// Returns a state near a random one in which the loops are closed.
+fn closed_state(interpreter: &mut Interpreter, random: &mut Random) -> [Vec<f64>; 3] {
+    let [mut q, mut qd, tau] = state(interpreter, random);
+    let settings = ConstraintSettings::<f64>::EXACT;
+    for _ in 0..40 {
+        let (mut dq, mut dqd) = (vec![0.0; qd.len()], vec![0.0; qd.len()]);
+        let into = ProjectionOutputs { dq: &mut dq, dqd: &mut dqd };
+        let state = State { q: &q, qd: &qd };
+        interpreter.project_constraints(state, &[], &settings, into).expect("fits");
+        let mut moved = vec![0.0; q.len()];
+        interpreter.integrate(&q, &dq, &mut moved).expect("fits");
+        q = moved;
+        qd = qd.iter().zip(&dqd).map(|(v, d)| v + d).collect();
+    }
+    [q, qd, tau]
+}
+
+/// With loops that hardly yield, a step accelerates a closed mechanism as constrained dynamics do, which share no
+/// rows with it.
+#[test]
+fn stiff_loops_of_steps_accelerate_as_loops_of_constrained_dynamics() {
+    let zoo = |kind: Option<LoopConstraintKind>, which: usize| {
+        let model = bound_zoo(&[which]);
+        let mut loops = model.loop_constraints().to_vec();
+        loops.iter_mut().for_each(|closed| closed.kind = kind.unwrap_or(closed.kind));
+        model.clone().with_loop_constraints(loops).expect("good")
+    };
+    let kinds = [(None, 0), (None, 1), (None, 2), (Some(LoopConstraintKind::Rigid), 2)];
+    let models = kinds.map(|(kind, which)| zoo(kind, which)).into_iter();
+    let mut compared = 0;
+    for model in models.chain([model(FOUR_BAR), model(FIVE_BAR)]) {
+        let model = model.with_friction(Friction::None).expect("no friction");
+        let mut interpreter = Interpreter::new(model.clone());
+        let soft = interpreter.soft_model();
+        let stiff = |closed: &LoopParameters<f64>| LoopParameters {
+            mobility: closed.mobility.map(|mobility| 1e-7 * mobility),
+            ..*closed
+        };
+        let loops = soft.loops.iter().map(stiff).collect();
+        interpreter.set_soft_model(SoftModel { loops, joints: vec![None; model.nv()], ..soft });
+        let mut random = Random(9);
+        for _ in 0..5 {
+            let [q, qd, tau] = closed_state(&mut interpreter, &mut random);
+            let [displacements, _] = errors(&mut interpreter, &q, &qd);
+            if displacements.iter().any(|x| x.abs() > 1e-11) {
+                continue;
+            }
+            let settings = ConstraintSettings::<f64>::EXACT;
+            let (expected, _) = constrained(&mut interpreter, (&q, &qd, &tau), &settings);
+            let [mut next_q, mut next_qd] = [q.clone(), qd.clone()];
+            let (mut qdd, mut residual, mut iterations) = (qd.clone(), 0.0, 0.0);
+            let outputs = StepSolutionOutputs {
+                q: &mut next_q,
+                qd: &mut next_qd,
+                qdd: &mut qdd,
+                forces: &mut [],
+                residual: &mut residual,
+                iterations: &mut iterations,
+            };
+            let input = StepInput { q: &q, qd: &qd, tau: &tau, warm_start: &expected, dt: 1e-3 };
+            interpreter.step(input, &model.step_settings(), outputs).expect("fits");
+            assert_near(&qdd, &expected, 1e-5);
+            compared += 1;
+        }
+    }
+    assert!(compared > 20, "{compared}");
 }
 
 #[test]

@@ -284,7 +284,7 @@ def test_joints_that_do_not_fit_are_named():
         modyn.conventions.MuJoCo(robot, without)
 
 
-@pytest.mark.parametrize("scene", range(24))
+@pytest.mark.parametrize("scene", range(32))
 @pytest.mark.filterwarnings("ignore:.*but in `step`")
 def test_motions_on_a_floor(scene):
     """Motions of 50 steps of random robots over planes, each step from the accelerations of the last one; some joints have

@@ -14,6 +14,7 @@ use modyn_runtime::quantities::Function;
 use modyn_runtime::spatial::{Matrix3, Pose, Twist, Vector3};
 use modyn_runtime::{ContactSurface, Interpreter, StepSettings, StepSolutionOutputs};
 use modyn_tests::arguments::{arguments, interpreted};
+use modyn_tests::golden::{Golden, PLANAR_LOOP, SPATIAL_LOOPS};
 use modyn_tests::random::{Random, general_zoo, state};
 use serde_json::Value;
 
@@ -106,7 +107,7 @@ fn soft_model(file: &Value, cone: Cone, robot: &mut Interpreter<f64>) -> SoftMod
     };
     let joints = list(&file["range"]).iter().enumerate().map(joint).map(Some);
     let joints = [None; 6].into_iter().chain(joints).collect();
-    SoftModel { cone, weight: 1.0, contacts, damping, joints }
+    SoftModel { cone, weight: 1.0, contacts, damping, joints, loops: Vec::new() }
 }
 
 fn data() -> Value {
@@ -370,11 +371,18 @@ fn floating_joints_beyond_the_base_keep_their_velocity() {
     }
 }
 
+/// Returns the mechanisms in general position with closed loops.
+fn closed(seed: u64) -> Model {
+    let names = SPATIAL_LOOPS.into_iter().chain([PLANAR_LOOP]);
+    Golden::load(names.cycle().nth(seed as usize).expect("endless")).model
+}
+
 #[test]
 fn programs_compute_the_steps_of_the_interpreter() {
     let mut iterations = 0.0;
     let robots = (0..40).map(|seed| (seed, touching(seed)));
-    for (seed, model) in robots.chain((40..100).map(|seed| (seed, shaped(seed)))) {
+    let robots = robots.chain((40..100).map(|seed| (seed, shaped(seed))));
+    for (seed, model) in robots.chain((100..104).map(|seed| (seed, closed(seed)))) {
         let choices = Choices { functions: vec![Function::Step], ..Choices::default() };
         let modules = ModuleTree::chains(&model);
         let plan = Plan::new(&model, &modules, &choices, Execution::Scalar);

@@ -222,7 +222,14 @@ impl PlanContext<'_> {
     /// step.
     pub(super) fn refined_step(&self) -> Graph {
         let soft = Interpreter::<f64>::new(self.model.clone()).soft_model();
-        optimize(self.tracer.refined_step(&self.elimination, &soft))
+        optimize(self.tracer.refined_step(&self.elimination_of_steps(), &soft))
+    }
+
+    fn elimination_of_steps(&self) -> Elimination {
+        match self.model.loop_constraints().is_empty() {
+            true => self.elimination.clone(),
+            false => Elimination::of_steps(self.tracer.model(), &ModuleTree::links(self.model)),
+        }
     }
 
     /// Returns the programs of a step with soft constraints. With `plain`, quaternions are scaled
@@ -238,11 +245,12 @@ impl PlanContext<'_> {
             };
             StepGraph { graph: optimize(graph), ..step }
         };
-        let scalar = traced(&self.tracer, &self.elimination);
+        let scalar = traced(&self.tracer, &self.elimination_of_steps());
         let links = ModulePartition::new(self.tracer.model(), &ModuleTree::links(self.model));
         let by_links = Elimination::Recursive(links);
-        let limbs =
-            self.limbs.iter().filter(|limbs| self.has_vectors() && limbs.merges_joints(&soft));
+        let limbs = self.limbs.iter().filter(|limbs| {
+            self.has_vectors() && soft.loops.is_empty() && limbs.merges_joints(&soft)
+        });
         let packed = limbs.map(|limbs| traced(&self.tracer.packed(limbs), &by_links));
         let packed = packed.min_by_key(|step| step.graph.count().total());
         let packed = packed.filter(|packed| packing::is_profitable(&packed.graph, &scalar.graph));

@@ -301,12 +301,12 @@ impl Solver {
                 }),
             ],
         });
-        let steps = vec![iterations, Step::Call(solution_call)];
+        let solve = vec![iterations, Step::Call(solution_call)];
         let steps = match parts.skip {
-            None => steps,
+            None => solve,
             Some(_) => {
                 let end = Some(solver(SKIP + index));
-                vec![Step::Loop(Loop { table: ONCE, reversed: false, end, steps })]
+                vec![Step::Loop(Loop { table: ONCE, reversed: false, end, steps: solve })]
             }
         };
         Self { index, after: after.len(), steps, pieces: [advance, search, solution] }
@@ -341,8 +341,9 @@ impl Program {
         let results = cut.outputs(&step.results.outputs);
         let first = step.solvers.iter().flat_map(|parts| cut.outputs(&parts.first.outputs));
         let skips = step.solvers.iter().filter_map(|parts| parts.skip);
-        let skips = skips.flat_map(|output| cut.outputs(&(output..output + 1)));
-        let stored: Vec<Lane> = captured.nodes.iter().copied().chain(first).chain(skips).collect();
+        let skip_outputs = skips.flat_map(|output| cut.outputs(&(output..output + 1)));
+        let stored: Vec<Lane> =
+            captured.nodes.iter().copied().chain(first).chain(skip_outputs).collect();
         let is_main = |zone: Zone| zone == Zone::Front || zone == Zone::Results;
         let main = cut.piece(&[&results[..], &stored].concat(), is_main);
         let mut graph = Graph::default();

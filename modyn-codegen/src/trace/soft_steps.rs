@@ -76,11 +76,12 @@ impl Tracer<'_> {
         let groups = [nq, nv, nv, 1, nv, settings];
         let graph = self.trace_groups(groups, |model, [q, qd, tau, dt, warm_start, settings]| {
             let input = StepInput { q: &q, qd: &qd, tau: &tau, warm_start: &warm_start, dt: dt[0] };
+            let given = Given { input, settings: &settings };
             match self.limbs {
-                None => parts.on_scalars(model, elimination, soft, (input, &settings)),
+                None => parts.on_scalars(model, elimination, soft, given),
                 Some(limbs) => {
                     let robot = PackedRobot { model: self.model, whole: model, limbs };
-                    robot.solvers(elimination, soft, (input, &settings), &mut parts);
+                    robot.solvers(elimination, soft, given, &mut parts);
                 }
             }
             results = Some(parts.results(model, input));
@@ -130,7 +131,7 @@ impl PackedRobot<'_> {
         &self,
         elimination: &Elimination,
         soft: &SoftModel<f64>,
-        (given, settings): (StepInput<'_, Expr>, &[Expr]),
+        given: Given<'_>,
         parts: &mut Parts,
     ) {
         let Self { model, whole, limbs } = *self;
@@ -142,15 +143,15 @@ impl PackedRobot<'_> {
         let merged = limbs.merged(&soft.mechanism(model), whole.gravity);
         let elimination = Elimination::Recursive(limbs.partition(partition));
         let [qd, tau, warm_start] =
-            [given.qd, given.tau, given.warm_start].map(|vector| limbs.vector(vector));
+            [given.input.qd, given.input.tau, given.input.warm_start].map(|x| limbs.vector(x));
         let input = StepInput {
-            q: &limbs.coordinates(given.q),
+            q: &limbs.coordinates(given.input.q),
             qd: &qd,
             tau: &tau,
             warm_start: &warm_start,
-            dt: given.dt,
+            dt: given.input.dt,
         };
-        let (common, surfaces) = settings.split_at(StepSettings::<Expr>::COUNT);
+        let (common, surfaces) = given.settings.split_at(StepSettings::<Expr>::COUNT);
         let settings = settings_of(&[common, &packing.surfaces(surfaces)].concat());
         let merged_soft = self.soft_model(soft, &packing);
         let mut workspace = Workspace::new(&merged);
@@ -225,8 +226,17 @@ impl PackedRobot<'_> {
             // The merged robot has the damping of its limbs.
             damping: Vec::new(),
             joints: joints.collect(),
+            // Robots with loops have no merged limbs.
+            loops: Vec::new(),
         }
     }
+}
+
+/// The arguments of a step.
+#[derive(Clone, Copy)]
+struct Given<'a> {
+    input: StepInput<'a, Expr>,
+    settings: &'a [Expr],
 }
 
 /// The parts of a step while they are traced.
@@ -244,8 +254,9 @@ impl Parts {
         model: &Mechanism<Expr>,
         elimination: &Elimination,
         soft: &SoftModel<f64>,
-        (input, settings): (StepInput<'_, Expr>, &[Expr]),
+        given: Given<'_>,
     ) {
+        let Given { input, settings } = given;
         let settings = settings_of(settings);
         let soft = soft.map(Expr::from_f64);
         let model = &soft.mechanism(model);
@@ -266,8 +277,8 @@ impl Parts {
         rows: &[Vec<bool>],
         solution: impl FnOnce(SoftMotion<Expr>) -> SoftMotion<Expr>,
     ) {
-        let first = problem.first();
-        let first = self.part(self.next_input, unpacked(&first.accelerations, rows));
+        let first_rows = unpacked(&problem.first().accelerations, rows);
+        let first = self.part(self.next_input, first_rows);
 
         let begin = self.next_input;
         let start = self.iterate(rows);

@@ -1,6 +1,6 @@
-//! What touches the ground, and the softness of joints.
+//! What touches the ground, and the softness of joints and loops.
 
-use modyn_runtime::model::{JointSoftness, Model, SoftConstraints};
+use modyn_runtime::model::{JointSoftness, LoopSoftness, Model, SoftConstraints};
 use rustc_hash::FxHashMap;
 
 use crate::description::{Description, ReadOptions};
@@ -29,5 +29,13 @@ pub fn constraints(
         })
     });
     soft.joints = softnesses.collect();
+    let constraints = model.loop_constraints().iter().enumerate();
+    let loops: FxHashMap<&str, usize> =
+        constraints.map(|(i, constraint)| (constraint.name.as_str(), i)).collect();
+    let softnesses = description.loop_softnesses.iter().filter_map(|softness| {
+        let name = description.loops[softness.constraint].name.as_str();
+        Some(LoopSoftness { constraint: *loops.get(name)?, ..*softness })
+    });
+    soft.loops = softnesses.collect();
     soft
 }

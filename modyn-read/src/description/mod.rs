@@ -18,8 +18,8 @@ pub use taken_names::TakenNames;
 
 use modyn_runtime::joint::JointType;
 use modyn_runtime::model::{
-    Actuation, ContactKind, Inertial, JointDynamics, Limits, LoopConstraintKind, SoftConstraints,
-    Softness,
+    Actuation, ContactKind, Inertial, JointDynamics, Limits, LoopConstraintKind, LoopSoftness,
+    SoftConstraints, Softness,
 };
 use modyn_runtime::spatial::Pose;
 use rustc_hash::FxHashMap;
@@ -57,6 +57,8 @@ pub struct Description {
     pub soft: Option<SoftConstraints>,
     /// The softness of joints, by their index.
     pub softnesses: Vec<(usize, SoftnessRecord)>,
+    /// The softness of loops, with their indices in `loops`.
+    pub loop_softnesses: Vec<LoopSoftness>,
 }
 
 impl Description {

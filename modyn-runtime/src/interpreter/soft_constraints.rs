@@ -2,14 +2,15 @@
 
 use alloc::{vec, vec::Vec};
 
-use super::Interpreter;
 use super::errors::{ShapeError, check};
+use super::{Interpreter, UduFactorization};
+use crate::equations::dynamics::Elimination;
 use crate::equations::soft_constraints::{
-    ContactParameters, JointParameters, SoftModel, SoftStep, StepInput, StepProblem, moved,
-    soft_step,
+    ContactParameters, JointParameters, LoopParameters, SoftModel, SoftStep, StepInput,
+    StepProblem, moved, soft_step,
 };
 use crate::mechanism::Mechanism;
-use crate::model::{Friction, Softness};
+use crate::model::{Friction, LoopConstraint, LoopSoftness, ModuleTree, Softness, TouchingShape};
 use crate::spatial::{Twist, Vector3};
 use crate::{ContactSurface, Scalar, StepSettings};
 
@@ -67,6 +68,9 @@ impl<S: Scalar> Interpreter<S> {
         check("outputs.qdd", outputs.qdd, model.nv())?;
         check("outputs.forces", outputs.forces, 3 * points)?;
         let mechanism = &soft.mechanism(mechanism);
+        let whole = (!soft.loops.is_empty())
+            .then(|| Elimination::of_steps(mechanism, &ModuleTree::links(model)));
+        let elimination = whole.as_ref().unwrap_or(elimination);
         let problem =
             StepProblem::new(mechanism, elimination, input, (&*soft, settings), workspace);
         let SoftStep { motion, residual, iterations } = soft_step(problem);
@@ -87,43 +91,79 @@ impl<S: Scalar> Interpreter<S> {
     }
 }
 
+/// The mobilities of a robot at its neutral configuration.
+struct Mobilities {
+    q: Vec<f64>,
+    factors: UduFactorization<f64>,
+}
+
+impl Mobilities {
+    fn at_neutral(robot: &mut Interpreter<f64>) -> Self {
+        let mut q = vec![0.0; robot.model.nq()];
+        robot.neutral(&mut q).expect(LENGTHS);
+        let factors = robot.brge(&q).expect(LENGTHS);
+        Self { q, factors }
+    }
+
+    /// Returns J M^-1 J^T of a row J.
+    fn of_row(&self, row: &[f64]) -> f64 {
+        let response = self.factors.solve(row).expect(LENGTHS);
+        row.iter().zip(response).map(|(a, b)| a * b).sum()
+    }
+
+    /// Returns the mean mobilities of displacements of a link's center of mass, 1/kg, and of
+    /// rotations, 1/(kg m^2); zero for a link that cannot move.
+    fn of_link(&self, robot: &mut Interpreter<f64>, link: usize) -> [f64; 2] {
+        if robot.mechanism.frames[link].body.is_none() {
+            return [0.0; 2];
+        }
+        let center = Vector3(robot.model.frames()[link].inertial.center_of_mass);
+        let mut twists = vec![Twist::zero(); robot.model.nv()];
+        robot.local_jacobian(&self.q, link, &mut twists).expect(LENGTHS);
+        let mean = |part: &dyn Fn(&Twist<f64>) -> Vector3<f64>| {
+            let axis = |k: usize| -> f64 {
+                let row: Vec<f64> = twists.iter().map(|twist| part(twist).0[k]).collect();
+                self.of_row(&row)
+            };
+            (axis(0) + axis(1) + axis(2)) / 3.0
+        };
+        let at_center = |twist: &Twist<f64>| twist.linear + twist.angular.cross(center);
+        [mean(&at_center), mean(&|twist| twist.angular)]
+    }
+}
+
 impl Interpreter<f64> {
     /// Returns what the robot's soft constraints have beside the settings of a step: the joint limits of the
     /// description, its dry joint friction if friction is enabled, and mobilities at the neutral
     /// configuration, where MuJoCo has those of its reference configuration.
     #[must_use]
     pub fn soft_model(&mut self) -> SoftModel<f64> {
-        let mut q = vec![0.0; self.model.nq()];
-        self.neutral(&mut q).expect(LENGTHS);
-        let factors = self.brge(&q).expect(LENGTHS);
-        let mobility = |row: &[f64]| -> f64 {
-            let response = factors.solve(row).expect(LENGTHS);
-            row.iter().zip(response).map(|(a, b)| a * b).sum()
-        };
-        let mut twists = vec![Twist::zero(); self.model.nv()];
-        let shapes = self.model.touching_shapes().into_iter();
-        let contacts = shapes.map(|shape| {
+        let mobilities = Mobilities::at_neutral(self);
+        let shapes = self.model.touching_shapes();
+        let contact = |shape: TouchingShape| {
             let link = shape.end.frame;
-            let center = Vector3(self.model.frames()[link].inertial.center_of_mass);
-            self.local_jacobian(&q, link, &mut twists).expect(LENGTHS);
-            let axis = |k: usize| -> f64 {
-                let rows = twists.iter().map(|twist| {
-                    let at_center: Vector3<f64> = twist.linear + twist.angular.cross(center);
-                    at_center.0[k]
-                });
-                mobility(&rows.collect::<Vec<f64>>())
-            };
+            let [mobility, _] = mobilities.of_link(self, link);
             let frame = &self.mechanism.frames[link];
             ContactParameters {
                 body: frame.body.expect("shapes are on moving links"),
                 pose: frame.pose.compose(&shape.end.pose),
                 shape: shape.shape,
                 components: shape.components,
-                mobility: (axis(0) + axis(1) + axis(2)) / 3.0,
+                mobility,
                 power: shape.power,
             }
-        });
-        let contacts = contacts.collect();
+        };
+        let contacts: Vec<_> = shapes.into_iter().map(contact).collect();
+        let constraints = self.model.loop_constraints().to_vec();
+        let closed = |(i, constraint): (usize, &LoopConstraint)| {
+            let [first, second] =
+                constraint.ends.each_ref().map(|end| mobilities.of_link(self, end.frame));
+            let LoopSoftness { softness, torque_scale, .. } =
+                self.model.soft_constraints().softness_of_loop(i);
+            let mobility = [0, 1].map(|k| first[k] + second[k]);
+            LoopParameters { mobility, softness, torque_scale }
+        };
+        let loops: Vec<_> = constraints.iter().enumerate().map(closed).collect();
         let stops = self.model.soft_constraints().joint_limits;
         let mut joints = vec![None; self.model.nv()];
         for i in 0..self.model.links().len() {
@@ -145,7 +185,7 @@ impl Interpreter<f64> {
                 range: [lower, upper].map(|limit| Some(limit).filter(|x| stops && x.is_finite())),
                 narrow: upper - lower <= 2.0 * margin,
                 margin,
-                mobility: mobility(&unit),
+                mobility: mobilities.of_row(&unit),
                 limit: softness.map_or_else(Softness::standard, |softness| softness.limit),
                 dry_friction: Some(friction).filter(|friction| *friction > 0.0),
                 friction: softness.map_or_else(Softness::standard, |softness| softness.friction),
@@ -159,6 +199,7 @@ impl Interpreter<f64> {
             contacts,
             damping: self.damping_in_steps(),
             joints,
+            loops,
         }
     }
 

@@ -4,7 +4,8 @@ use alloc::{collections::BTreeMap, vec::Vec};
 
 use super::{
     Activation, ActivationDynamics, Actuation, Actuator, AffineLaw, ContactShape, Friction,
-    Impedance, Inertial, Limits, Model, ModelError, ModelErrorKind, SoftConstraints, Transmission,
+    Impedance, Inertial, Limits, Model, ModelError, ModelErrorKind, SoftConstraints, Softness,
+    Transmission,
 };
 use crate::joint::JointType;
 use crate::spatial::Pose;
@@ -226,7 +227,7 @@ pub(super) fn check_contacts(model: &Model) -> Vec<ModelError> {
 /// Returns all defects of the soft constraints of a `model` that is sound without them.
 pub(super) fn check_soft_constraints(model: &Model) -> Vec<ModelError> {
     let mut errors = Vec::new();
-    let SoftConstraints { impratio, shapes, joints, .. } = &model.soft_constraints;
+    let SoftConstraints { impratio, shapes, joints, loops, .. } = &model.soft_constraints;
     for shape in shapes {
         let mut report = |kind| errors.push(ModelError { name: shape.name.clone(), kind });
         match model.frames.get(shape.end.frame) {
@@ -255,18 +256,32 @@ pub(super) fn check_soft_constraints(model: &Model) -> Vec<ModelError> {
         let link = model.links.get(softness.joint);
         let name = link.map_or(&model.name, |link| &link.joint.name).clone();
         let mut report = |kind| errors.push(ModelError { name: name.clone(), kind });
-        let numbers = [softness.limit, softness.friction].map(|softness| {
-            let Impedance { least, most, width, midpoint, .. } = softness.impedance;
-            let [first, second] = softness.reference;
-            [least, most, width, midpoint, first, second]
-        });
+        let numbers = [softness.limit, softness.friction].map(softness_numbers);
         if !(finite(numbers.as_flattened()) && softness.margin.is_finite()) {
             report(ModelErrorKind::NotFinite);
         } else if link.is_none() {
             report(ModelErrorKind::JointSoftness);
         }
     }
+    for softness in loops {
+        let constraint = model.loop_constraints.get(softness.constraint);
+        let name = constraint.map_or(&model.name, |constraint| &constraint.name).clone();
+        let mut report = |kind| errors.push(ModelError { name: name.clone(), kind });
+        let numbers = softness_numbers(softness.softness);
+        if !(finite(&numbers) && softness.torque_scale.is_finite()) {
+            report(ModelErrorKind::NotFinite);
+        } else if constraint.is_none() {
+            report(ModelErrorKind::LoopSoftness);
+        }
+    }
     errors
+}
+
+/// Returns the numbers of a softness that must be finite.
+fn softness_numbers(softness: Softness<f64>) -> [f64; 6] {
+    let Impedance { least, most, width, midpoint, .. } = softness.impedance;
+    let [first, second] = softness.reference;
+    [least, most, width, midpoint, first, second]
 }
 
 /// Returns all defects of the keyframes of a `model` that is sound without them.

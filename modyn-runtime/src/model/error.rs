@@ -59,6 +59,8 @@ pub enum ModelErrorKind {
     TouchingShape,
     /// The softness of a joint that does not exist, or that is out of its range.
     JointSoftness,
+    /// The softness of a loop constraint that does not exist.
+    LoopSoftness,
     /// An actuator or a tendon is on a joint or a tendon that does not exist, or on a joint with
     /// several degrees of freedom.
     Transmission,
@@ -112,6 +114,9 @@ impl fmt::Display for ModelError {
             }
             ModelErrorKind::JointSoftness => {
                 "has a softness out of its range, or is no joint of the robot"
+            }
+            ModelErrorKind::LoopSoftness => {
+                "has a softness, and is no loop constraint of the robot"
             }
             ModelErrorKind::Transmission => {
                 "is on a joint or tendon that does not exist, or on a joint with several degrees of \

@@ -33,8 +33,8 @@ pub use loop_constraint::{LoopConstraint, LoopConstraintEnd, LoopConstraintKind}
 pub use modules::{Module, ModuleError, ModuleTree};
 pub use spring::Spring;
 pub use touching::{
-    Cone, ContactComponents, ContactShape, Impedance, JointSoftness, SoftConstraints, Softness,
-    TouchingShape,
+    Cone, ContactComponents, ContactShape, Impedance, JointSoftness, LoopSoftness, SoftConstraints,
+    Softness, TouchingShape,
 };
 
 use alloc::{string::String, vec::Vec};

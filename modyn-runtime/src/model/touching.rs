@@ -56,6 +56,8 @@ pub struct SoftConstraints {
     pub shapes: Vec<TouchingShape>,
     /// The softness of joints whose softness is not `MuJoCo`'s default.
     pub joints: Vec<JointSoftness>,
+    /// The softness of loop constraints whose softness is not `MuJoCo`'s default.
+    pub loops: Vec<LoopSoftness>,
     /// Whether joint limits stop joints.
     pub joint_limits: bool,
     /// Whether damping and dry friction of joints act in steps where the other functions of the
@@ -70,9 +72,20 @@ impl Default for SoftConstraints {
             impratio: None,
             shapes: Vec::new(),
             joints: Vec::new(),
+            loops: Vec::new(),
             joint_limits: true,
             joint_friction: false,
         }
+    }
+}
+
+impl SoftConstraints {
+    /// Returns the softness of a loop constraint.
+    #[must_use]
+    pub fn softness_of_loop(&self, constraint: usize) -> LoopSoftness {
+        let mut given = self.loops.iter();
+        let softness = given.find(|softness| softness.constraint == constraint);
+        softness.copied().unwrap_or_else(|| LoopSoftness::standard(constraint))
     }
 }
 
@@ -140,6 +153,26 @@ pub struct JointSoftness {
     pub limit: Softness<f64>,
     /// The softness of dry friction.
     pub friction: Softness<f64>,
+}
+
+/// The softness of a loop constraint in steps.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct LoopSoftness {
+    /// The index of the loop constraint.
+    pub constraint: usize,
+    /// The softness.
+    pub softness: Softness<f64>,
+    /// The factor of the rows of rotations, m: `MuJoCo`'s `torquescale`.
+    pub torque_scale: f64,
+}
+
+impl LoopSoftness {
+    /// Returns `MuJoCo`'s default for a loop constraint.
+    #[must_use]
+    pub fn standard(constraint: usize) -> Self {
+        Self { constraint, softness: Softness::standard(), torque_scale: 1.0 }
+    }
 }
 
 impl<S: Copy> Softness<S> {

@@ -123,11 +123,13 @@ fn soft_constraints(model: &Model) -> String {
         )
     }));
     let joints = list(soft.joints.iter().map(|joint| format!("{joint:?}")));
+    let loops = list(soft.loops.iter().map(|softness| format!("{softness:?}")));
     format!(
         ".and_then(|model| {{\n            use __modyn::ContactSurface;\n            use __modyn::model::{{Cone, \
-         ContactComponents, ContactShape, Impedance, JointSoftness, SoftConstraints, Softness, \
-         TouchingShape}};\n            model.with_soft_constraints(SoftConstraints {{ cone: Cone::{:?}, impratio: {:?}, shapes: {shapes}.into(), \
-         joints: {joints}.into(), joint_limits: {}, joint_friction: {} }})\n        }})\n        ",
+         ContactComponents, ContactShape, Impedance, JointSoftness, LoopSoftness, \
+         SoftConstraints, Softness, TouchingShape}};\n            \
+         model.with_soft_constraints(SoftConstraints {{ cone: Cone::{:?}, impratio: {:?}, \
+         shapes: {shapes}.into(), joints: {joints}.into(), loops: {loops}.into(), joint_limits: {}, joint_friction: {} }})\n        }})\n        ",
         soft.cone, soft.impratio, soft.joint_limits, soft.joint_friction
     )
 }

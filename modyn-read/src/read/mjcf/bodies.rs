@@ -117,6 +117,7 @@ impl<'e, 'r, 'f> Bodies<'e, 'r, 'f> {
             shape_notes: Vec::new(),
             soft: None,
             softnesses: Vec::new(),
+            loop_softnesses: Vec::new(),
         };
         let naming = Rc::new(Naming::default());
         let mut bodies = Self {

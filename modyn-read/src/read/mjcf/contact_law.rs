@@ -213,21 +213,27 @@ pub fn joint_softness(joint: &Item, rounded: &mut Vec<Place>) -> Option<Softness
     if names.iter().all(|name| joint.text(name).is_none()) {
         return None;
     }
-    let numbers = |name: &str| joint.text(name).and_then(list);
-    let mut softness = |reference: &str, impedance: &str| {
-        let [least, most, width, midpoint, exponent] =
-            filled(numbers(impedance).as_deref(), IMPEDANCE);
-        let power = power(exponent, joint.element().at, rounded);
-        Softness {
-            reference: filled(numbers(reference).as_deref(), REFERENCE),
-            impedance: Impedance { least, most, width, midpoint, power },
-        }
-    };
     Some(SoftnessRecord {
-        limit: softness("solreflimit", "solimplimit"),
-        friction: softness("solreffriction", "solimpfriction"),
+        limit: softness(joint, ["solreflimit", "solimplimit"], rounded),
+        friction: softness(joint, ["solreffriction", "solimpfriction"], rounded),
         margin: joint.number("margin").unwrap_or(0.0),
     })
+}
+
+/// Returns the softness in the attributes of these names, a reference and an impedance. Adds the
+/// element to `rounded` if a power was rounded.
+pub fn softness(
+    item: &Item,
+    [reference, impedance]: [&str; 2],
+    rounded: &mut Vec<Place>,
+) -> Softness<f64> {
+    let numbers = |name: &str| item.text(name).and_then(list);
+    let [least, most, width, midpoint, exponent] = filled(numbers(impedance).as_deref(), IMPEDANCE);
+    let power = power(exponent, item.element().at, rounded);
+    Softness {
+        reference: filled(numbers(reference).as_deref(), REFERENCE),
+        impedance: Impedance { least, most, width, midpoint, power },
+    }
 }
 
 /// Returns the power of a curve of impedances, which is rounded to an integer: the place of one that

@@ -3,11 +3,12 @@
 use std::collections::hash_map::Entry;
 use std::collections::{BTreeSet, HashMap};
 
-use modyn_runtime::model::LoopConstraintKind;
+use modyn_runtime::model::{LoopConstraintKind, LoopSoftness};
 use modyn_runtime::spatial::Pose;
 
 use super::bodies::Bodies;
 use super::check::list;
+use super::contact_law::softness;
 use super::item::Item;
 use super::joints::displacement;
 use super::pose::{from_quaternion, relative};
@@ -325,6 +326,11 @@ impl<'e> Bodies<'e, '_, '_> {
         };
         let ends = [end(one.link, one_pose), end(other.link, other_pose)];
         let kind = if is_point { LoopConstraintKind::Point } else { LoopConstraintKind::Rigid };
+        self.description.loop_softnesses.push(LoopSoftness {
+            constraint: self.description.loops.len(),
+            softness: softness(item, ["solref", "solimp"], &mut self.ignored.powers),
+            torque_scale: item.number("torquescale").unwrap_or(1.0),
+        });
         self.description.loops.push(LoopRecord {
             name: taken.unique(&name, "loop"),
             at: Some(element.at),

@@ -52,6 +52,7 @@ pub fn describe(
         shape_notes: world.shape_notes.clone(),
         soft: None,
         softnesses: Vec::new(),
+        loop_softnesses: Vec::new(),
     };
     let named = world.frames.iter().filter(|frame| !matches!(frame.kind, FrameKind::Joint(_)));
     let names = Names::new(named.map(|frame| frame.name.text.clone()));

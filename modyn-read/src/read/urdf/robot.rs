@@ -59,6 +59,7 @@ pub fn read(robot: Node, options: &ReadOptions, report: &mut Report<'_>) -> Desc
         shape_notes: Vec::new(),
         soft: None,
         softnesses: Vec::new(),
+        loop_softnesses: Vec::new(),
     };
     for node in children(robot) {
         if is(node, "link") {

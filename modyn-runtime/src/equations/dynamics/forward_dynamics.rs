@@ -31,7 +31,8 @@ use crate::spatial::{Twist, Wrench};
 pub enum Elimination {
     /// The recursion over these modules.
     Recursive(ModulePartition),
-    /// The factors of the mass matrix, for robots with mimic joints.
+    /// The factors of the mass matrix, for robots with mimic joints, and for steps of robots with
+    /// loops.
     Matrix(UduLayout),
 }
 
@@ -43,6 +44,15 @@ impl Elimination {
             Self::Matrix(UduLayout::new(model, modules))
         } else {
             Self::Recursive(ModulePartition::new(model, modules))
+        }
+    }
+
+    /// Returns the solver for steps of `model`, in which loops are closed.
+    #[must_use]
+    pub fn of_steps<S: Scalar>(model: &Mechanism<S>, modules: &ModuleTree) -> Self {
+        match model.constraints.len() > model.contacts() {
+            true => Self::Matrix(UduLayout::with_loops(model, modules)),
+            false => Self::new(model, modules),
         }
     }
 

@@ -6,7 +6,7 @@ use core::ops::Range;
 
 use super::partition::{ModuleBlock, ModulePartition};
 use crate::Scalar;
-use crate::mechanism::Mechanism;
+use crate::mechanism::{ConstrainedFrames, Mechanism};
 use crate::model::ModuleTree;
 
 /// The storage layout of the factorization M = U D U^T by modules.
@@ -38,7 +38,16 @@ impl UduLayout {
         if !model.has_mimics() {
             return Self::of(model, ModulePartition::new(model, modules));
         }
-        let (partition, in_front) = coupled(model, modules);
+        let (partition, in_front) = coupled(model, modules, &[]);
+        Self::with(model.nv, partition, in_front)
+    }
+
+    /// Returns the layout for a matrix in which the degrees of freedom that move a loop are coupled,
+    /// too.
+    #[must_use]
+    pub fn with_loops<S: Scalar>(model: &Mechanism<S>, modules: &ModuleTree) -> Self {
+        let loops = model.constraints.len() - model.contacts();
+        let (partition, in_front) = coupled(model, modules, &model.constraints[..loops]);
         Self::with(model.nv, partition, in_front)
     }
 
@@ -162,12 +171,13 @@ fn ancestors<S>(model: &Mechanism<S>, partition: &ModulePartition) -> Vec<Vec<us
     ancestors
 }
 
-/// Returns the partition and the couplings of a robot with mimic joints. A module has the entries
+/// Returns the partition and the couplings of a robot with mimic joints or loops. A module has the entries
 /// of the joint vectors that belong to its own joints; it has none if all its joints are mimics.
 /// The sparsity pattern of the mass matrix is followed through the elimination.
 fn coupled<S: Scalar>(
     model: &Mechanism<S>,
     modules: &ModuleTree,
+    loops: &[ConstrainedFrames<S>],
 ) -> (ModulePartition, Vec<Vec<usize>>) {
     let mut partition = ModulePartition::new(model, modules);
     let mut module_of = vec![0; model.nv];
@@ -200,6 +210,16 @@ fn coupled<S: Scalar>(
                 }
             }
             at = other.parent.map(|parent| &model.bodies[parent]);
+        }
+    }
+    for constraint in loops {
+        let bodies = constraint
+            .ends
+            .iter()
+            .flat_map(|end| core::iter::successors(end.body, |&i| model.bodies[i].parent));
+        let moving: Vec<usize> = bodies.flat_map(|i| model.dofs_of(i)).map(|dof| dof.v).collect();
+        for (k, &a) in moving.iter().enumerate() {
+            moving[k + 1..].iter().for_each(|&b| couple(a, b, &mut in_front));
         }
     }
     for m in (0..in_front.len()).rev() {

@@ -1,4 +1,5 @@
-//! Steps of robots whose mass matrix is factorized as a whole, since mimic joints couple its links.
+//! Steps of robots whose mass matrix is factorized as a whole, since mimic joints or loops couple
+//! its links.
 
 use alloc::{vec, vec::Vec};
 
@@ -85,7 +86,7 @@ impl<S: Scalar> DenseProblem<S> {
                         }
                     }
                 }
-                for (&[_, stiffness], row) in laws.joints.iter().zip(rest) {
+                for (&[_, stiffness], row) in laws.single_rows.iter().zip(rest) {
                     add(row, row, stiffness);
                 }
             }

@@ -34,6 +34,19 @@ pub struct SoftRow<S> {
     pub reference: S,
 }
 
+impl<S: Scalar> SoftRow<S> {
+    /// Returns the row with the weight times `scale`.
+    pub(super) fn scaled(&self, scale: S) -> Self {
+        Self { weight: self.weight * scale, ..*self }
+    }
+
+    /// Returns the force at an acceleration of the row, which pushes and pulls, and minus its
+    /// derivative.
+    pub(super) fn response(&self, acceleration: S) -> [S; 2] {
+        [-(self.weight * (acceleration - self.reference)), self.weight]
+    }
+}
+
 /// The position and velocity of a constraint row, and how easily it moves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RowState<S> {
@@ -97,8 +110,13 @@ impl<S: Scalar> Softness<S> {
     /// Returns the row of a constraint for a step of the time `dt`.
     #[must_use]
     pub fn row(&self, state: &RowState<S>, dt: S) -> SoftRow<S> {
+        self.row_of_impedance(self.impedance.at(state.position), state, dt)
+    }
+
+    /// Returns a row with the impedance of the constraint to which it belongs.
+    #[must_use]
+    pub fn row_of_impedance(&self, impedance: S, state: &RowState<S>, dt: S) -> SoftRow<S> {
         let [stiffness, damping] = self.stiffness_and_damping(dt);
-        let impedance = self.impedance.at(state.position);
         SoftRow {
             weight: impedance / ((S::one() - impedance) * state.mobility),
             reference: -(damping * state.velocity) - stiffness * impedance * state.position,

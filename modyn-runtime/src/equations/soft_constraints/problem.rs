@@ -3,6 +3,7 @@
 use alloc::{vec, vec::Vec};
 
 use super::dense::DenseProblem;
+use super::loops::LoopRows;
 use super::responses::{Effect, Laws};
 use super::rows::{
     BodyState, ContactOptions, ContactRows, JointRow, SoftModel, StepInput, body_twists,
@@ -64,7 +65,7 @@ fn lanes<S: Scalar, T: BodyTree<S>>(tree: &T) -> Vec<usize> {
     lanes
 }
 
-/// The rows at accelerations: three for each contact, then one for each row of a joint.
+/// The rows of contacts, of joints and of loops at accelerations.
 #[derive(Clone, Debug)]
 pub struct Iterate<S> {
     /// The accelerations of the rows.
@@ -85,6 +86,7 @@ pub struct StepProblem<'a, S, T> {
     bias: Vec<Wrench<S>>,
     contacts: Vec<ContactRows<S>>,
     joints: Vec<JointRow<S>>,
+    loops: Vec<LoopRows<S>>,
     /// The number of lanes of each row.
     lanes: Vec<usize>,
     /// The factor of all weights that makes the stiffest row soft.
@@ -145,6 +147,13 @@ impl<'a, S: Scalar, T: BodyTree<S>> StepProblem<'a, S, T> {
         });
         let contacts: Vec<ContactRows<S>> = contacts.collect();
         let joints = joint_rows(&soft.joints, input);
+        body_twists(tree, &fall, workspace);
+        let constraints = model.constraints.iter().zip(&soft.loops);
+        let loops = constraints.map(|(constraint, parameters)| {
+            let rows = LoopRows::new(model, constraint, parameters, input, &poses);
+            rows.relative_to_fall(&workspace.twists)
+        });
+        let loops: Vec<LoopRows<S>> = loops.collect();
         let lanes_of_bodies = lanes(tree);
         let lanes_of_contacts = contacts
             .iter()
@@ -153,11 +162,13 @@ impl<'a, S: Scalar, T: BodyTree<S>> StepProblem<'a, S, T> {
             let moved = model.dofs.iter().find(|dof| dof.v == row.dof);
             moved.map_or(1, |dof| lanes_of_bodies[dof.body])
         });
-        let lanes = lanes_of_contacts.chain(lanes_of_joints).collect();
+        let lanes_of_loops = loops.iter().flat_map(|rows| vec![1; rows.rows.len()]);
+        let lanes = lanes_of_contacts.chain(lanes_of_joints).chain(lanes_of_loops).collect();
         let mut problem = Self {
             bias,
             contacts,
             joints,
+            loops,
             lanes,
             softening: S::one(),
             tolerance: settings.tolerance,
@@ -200,7 +211,7 @@ impl<'a, S: Scalar, T: BodyTree<S>> StepProblem<'a, S, T> {
         self.lanes.len()
     }
 
-    /// Returns the entry of qd of each row that is no contact's.
+    /// Returns the entry of qd of each row of a joint.
     pub fn joints_of_rows(&self) -> impl Iterator<Item = usize> {
         self.joints.iter().map(|row| row.dof)
     }
@@ -224,11 +235,16 @@ impl<'a, S: Scalar, T: BodyTree<S>> StepProblem<'a, S, T> {
 
     /// Returns the laws at an iterate. All weights are scaled.
     pub(super) fn laws(&self, iterate: &Iterate<S>, scale: S) -> Laws<S> {
-        let (contacts, of_joints) = by_contacts(&self.contacts, &iterate.accelerations);
+        let (contacts, single_rows) = by_contacts(&self.contacts, &iterate.accelerations);
+        let (of_joints, of_loops) = single_rows.split_at(self.joints.len());
         let joints = self.joints.iter().zip(of_joints);
+        let rows_of_loops = self.loops.iter().flat_map(|closed| &closed.rows);
+        let loops = rows_of_loops.zip(of_loops);
         Laws {
             contacts: contacts.map(|(contact, a)| contact.law.scaled(scale).response(a)).collect(),
-            joints: joints.map(|(row, &a)| row.scaled(scale).response(a)).collect(),
+            single_rows: (joints.map(|(row, &a)| row.scaled(scale).response(a)))
+                .chain(loops.map(|(row, &a)| row.scaled(scale).response(a)))
+                .collect(),
         }
     }
 
@@ -280,7 +296,9 @@ impl<'a, S: Scalar, T: BodyTree<S>> StepProblem<'a, S, T> {
             .iter()
             .flat_map(|contact| contact.acceleration(&self.workspace.twists[contact.body]));
         let joints = self.joints.iter().map(|row| row.sign * self.accelerations[row.dof]);
-        contacts.chain(joints).collect()
+        let twists = &self.workspace.twists;
+        let loops = self.loops.iter().flat_map(|rows| rows.accelerations(twists));
+        contacts.chain(joints).chain(loops).collect()
     }
 
     /// Computes the joint accelerations, relative to free fall, under these forces of the rows, and the accelerations of the bodies.
@@ -319,7 +337,7 @@ impl<'a, S: Scalar, T: BodyTree<S>> StepProblem<'a, S, T> {
                     let sum = &mut workspace.added_inertia[contact.body];
                     *sum = Some(sum.map_or(inertia, |sum| sum + inertia));
                 }
-                for (row, &[_, stiffness]) in joints.iter().zip(&laws.joints) {
+                for (row, &[_, stiffness]) in joints.iter().zip(&laws.single_rows) {
                     let sum = &mut workspace.added_armature[row.dof];
                     *sum = Some(sum.map_or(stiffness, |sum| sum + stiffness));
                 }
@@ -360,7 +378,8 @@ impl<'a, S: Scalar, T: BodyTree<S>> StepProblem<'a, S, T> {
             let softness = limits.map(|joint| joint.limit).chain(rubs.map(|joint| joint.friction));
             softness.map(move |softness| (softness.impedance.softening(), lanes_of_joint(dof)))
         });
-        contacts.chain(joints).fold(S::one(), |least, (softening, lanes)| {
+        let loops = soft.loops.iter().map(|rows| (rows.softness.impedance.softening(), 1));
+        contacts.chain(joints).chain(loops).fold(S::one(), |least, (softening, lanes)| {
             (0..lanes)
                 .fold(least, |least, lane| at_most(least, self.tree.extract_lane(softening, lane)))
         })

@@ -9,15 +9,15 @@ use crate::Scalar;
 pub(super) struct Laws<S> {
     /// The response of each contact.
     pub contacts: Vec<Response<S>>,
-    /// The force and the stiffness of each row of a joint.
-    pub joints: Vec<[S; 2]>,
+    /// The force and the stiffness of each row of a joint, then of a loop.
+    pub single_rows: Vec<[S; 2]>,
 }
 
 impl<S: Scalar> Laws<S> {
     /// Returns the forces of all rows.
     pub fn forces(&self) -> impl Iterator<Item = S> + '_ {
         let contacts = self.contacts.iter().flat_map(|response| response.force.iter().copied());
-        contacts.chain(self.joints.iter().map(|response| response[0]))
+        contacts.chain(self.single_rows.iter().map(|response| response[0]))
     }
 
     /// Returns the products of the stiffness with the accelerations of the rows.
@@ -32,7 +32,7 @@ impl<S: Scalar> Laws<S> {
                 products.reduce(|a, b| a + b).unwrap_or_else(S::zero)
             }));
         }
-        shares.extend(self.joints.iter().zip(rest).map(|(response, &a)| response[1] * a));
+        shares.extend(self.single_rows.iter().zip(rest).map(|(response, &a)| response[1] * a));
         shares
     }
 }

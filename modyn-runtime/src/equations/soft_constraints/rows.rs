@@ -41,6 +41,20 @@ pub struct SoftModel<S> {
     /// The limits and dry friction of each entry of qd; entries of joints with several degrees of freedom
     /// have none.
     pub joints: Vec<Option<JointParameters<S>>>,
+    /// The loop constraints.
+    pub loops: Vec<LoopParameters<S>>,
+}
+
+/// The parameters of a loop constraint.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LoopParameters<S> {
+    /// The mobilities of displacements, 1/kg, and of rotations, 1/(kg m^2): the sums of MuJoCo's
+    /// `body_invweight0` of both links.
+    pub mobility: [S; 2],
+    /// The softness.
+    pub softness: Softness<S>,
+    /// The factor of the rows of rotations, m: MuJoCo's `torquescale`.
+    pub torque_scale: S,
 }
 
 /// The parameters of a shape that touches the ground.
@@ -289,6 +303,17 @@ fn three<S: Scalar>(numbers: &[S]) -> Vector3<S> {
     Vector3([0, 1, 2].map(|k| numbers.get(k).copied().unwrap_or_else(S::zero)))
 }
 
+impl<S: Copy> LoopParameters<S> {
+    /// Returns the parameters with `f` applied to their numbers.
+    pub fn map<T>(&self, f: impl Fn(S) -> T + Copy) -> LoopParameters<T> {
+        LoopParameters {
+            mobility: self.mobility.map(f),
+            softness: self.softness.map(f),
+            torque_scale: f(self.torque_scale),
+        }
+    }
+}
+
 impl<S: Copy> JointParameters<S> {
     /// Returns the parameters with `f` applied to their numbers.
     pub fn map<T>(&self, f: impl Fn(S) -> T + Copy) -> JointParameters<T> {
@@ -331,6 +356,7 @@ impl<S: Copy> SoftModel<S> {
             weight: f(self.weight),
             contacts: self.contacts.iter().map(|contact| contact.map(f)).collect(),
             damping: self.damping.iter().map(|damping| damping.map(f)).collect(),
+            loops: self.loops.iter().map(|parameters| parameters.map(f)).collect(),
             joints: self.joints.iter().map(|joint| joint.map(|joint| joint.map(f))).collect(),
         }
     }
