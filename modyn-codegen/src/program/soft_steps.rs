@@ -216,7 +216,8 @@ impl Solver {
 
         // The solution, and the nodes of the last full step that it reads.
         let advance_outputs = cut.outputs(&parts.advance.outputs);
-        let [full, numbers] = split(&advance_outputs, 2 * rows);
+        let [full, rest] = split(&advance_outputs, 2 * rows);
+        let [numbers, start] = split(rest, LAST_SCALE + 1);
         let ends = [numbers[RESIDUAL], numbers[ITERATIONS]];
         let outputs = [&cut.outputs(&parts.solution.outputs)[..], &ends].concat();
         let solution = cut.piece(&outputs, |zone| zone == Zone::Solution);
@@ -240,12 +241,7 @@ impl Solver {
         };
 
         let advance_inputs = parts.advance.inputs.clone();
-        let starts: Vec<Lane> = (advance_inputs.clone())
-            .map(|number| (step.graph.find(Node::input(number)).expect("a traced input"), 0))
-            .collect();
-        let start = &starts[..2 * rows];
-        let last_scale = starts[2 * rows];
-        let outputs = [start, full, full, numbers, &[last_scale], &after].concat();
+        let outputs = [start, full, full, numbers, &after].concat();
         let advance = cut.piece(&outputs, |zone| zone == Zone::Advance);
         let advance_call = Call {
             routine: 3 * index,

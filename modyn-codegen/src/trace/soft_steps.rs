@@ -39,7 +39,7 @@ pub struct SolverParts {
     pub first: Part,
     /// The full step of an iteration. Inputs: the accelerations and balances of the rows, the
     /// scale, the number of iterations. Outputs: accelerations and balances; scale, iterations,
-    /// residual, end; the search.
+    /// residual, end; the search; the scale of the inputs; their accelerations and balances.
     pub advance: Part,
     /// An evaluation of a line search. Inputs: accelerations and balances of the start and of the
     /// full step, the search without its end, the scale. Outputs: accelerations and balances; the
@@ -283,14 +283,17 @@ impl Parts {
         let begin = self.next_input;
         let start = self.iterate(rows);
         let [scale, iterations] = self.inputs();
-        let progress = Progress { scale, iterations, ..Progress::first() };
-        let Advance { end, progress, search } = problem.advance(&start, &progress);
+        let progress_before = Progress { scale, iterations, ..Progress::first() };
+        let Advance { end, progress, search } = problem.advance(&start, &progress_before);
         let Progress { scale, iterations, residual, end: ends } = progress;
         let numbers = [
             unpacked(&end.accelerations, rows),
             unpacked(&end.balances, rows),
             vec![scale, iterations, residual, ends],
             search_numbers(&search).to_vec(),
+            vec![progress_before.scale],
+            unpacked(&start.accelerations, rows),
+            unpacked(&start.balances, rows),
         ];
         let advance = self.part(begin, numbers.concat());
 
