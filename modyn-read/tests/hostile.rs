@@ -4,10 +4,11 @@
 //! and of mimics, and deep nesting, are in `reading.rs`.
 
 use std::fmt::Write as _;
+use std::path::PathBuf;
 
 use modyn_read::diagnostics::sanitize_for_display;
 use modyn_read::diagnostics::{Code, Diagnostics};
-use modyn_read::{ReadOptions, expand_xacro, read};
+use modyn_read::{FileStore, ReadOptions, expand_xacro, read};
 
 /// The number of repetitions: `MODYN_TEST_MANY=1000000 cargo test --release` sets a million.
 fn many() -> usize {
@@ -259,6 +260,30 @@ fn with_stack<T: Send>(bytes: usize, run: impl FnOnce() -> T + Send) -> T {
         let thread = std::thread::Builder::new().stack_size(bytes).spawn_scoped(scope, run);
         thread.expect("a thread").join().expect("no panic")
     })
+}
+
+/// The deepest SDFs that are read fit into a small stack, in one file and in a file for each model.
+#[test]
+fn the_deepest_models_of_an_sdf_fit_into_a_small_stack() {
+    let sdf = |inside: &str| format!("<sdf version='1.12'>{inside}</sdf>");
+    let link = "<link name='l'><inertial><mass>1</mass></inertial></link>";
+    let read_small = |text: &str, stack: usize, files: FileStore| {
+        let options = ReadOptions { folder: Some(PathBuf::new()), files, ..ReadOptions::default() };
+        with_stack(stack, || read(text, "deep.sdf", &options).map_err(|errors| errors.to_string()))
+    };
+    for (depth, is_read) in [(65, true), (66, false), (many(), false)] {
+        let nested = ["<model name='m'>".repeat(depth), link.into(), "</model>".repeat(depth)];
+        let result = read_small(&sdf(&nested.concat()), 64 << 10, FileStore::default());
+        assert!(result.is_ok() == is_read, "{depth}: {:?}", result.err());
+    }
+    let included = |i: usize| format!("<include><uri>f{i}.sdf</uri></include>");
+    let files = (1..70).map(|i| {
+        let text = sdf(&format!("<model name='m'>{link}{}</model>", included(i + 1)));
+        (PathBuf::from(format!("f{i}.sdf")), text.into_bytes())
+    });
+    let world = sdf(&format!("<model name='m'>{link}{}</model>", included(1)));
+    let error = read_small(&world, 256 << 10, FileStore::in_memory(files)).expect_err("too deep");
+    assert!(error.contains("models are nested more than 64 deep"), "{error}");
 }
 
 /// Returns the text of a xacro.

@@ -20,9 +20,30 @@ const MAX_FILES: usize = 1000;
 const MODEL_PATHS: [&str; 4] =
     ["SDF_PATH", "GZ_SIM_RESOURCE_PATH", "IGN_GAZEBO_RESOURCE_PATH", "GAZEBO_MODEL_PATH"];
 
+/// An included file whose model is read next.
+struct OpenFile {
+    text: String,
+    /// The offset of the text among those of all files.
+    start: usize,
+    folder: Option<PathBuf>,
+    overrides: Overrides,
+}
+
 impl<'a> Reader<'a, '_, '_, '_> {
     /// Reads an `<include>` as a model of a scope.
+    #[inline(never)]
     pub fn include(&mut self, node: Node<'a, '_>, scope: usize, depth: usize) {
+        let Some(file) = self.open_file(node, scope) else { return };
+        let outer = std::mem::replace(&mut self.files.folder, file.folder);
+        self.included(&file.text, file.start, scope, depth, file.overrides);
+        self.files.open.pop();
+        self.files.folder = outer;
+    }
+
+    /// Opens the file of an `<include>`. Its models are read in the stack of
+    /// [`include`](Self::include), so this function is not a part of it.
+    #[inline(never)]
+    fn open_file(&mut self, node: Node<'a, '_>, scope: usize) -> Option<OpenFile> {
         let at = self.xml.at(node);
         let known = ["uri", "name", "static", "pose", "placement_frame", "plugin"];
         self.warn_of_unknown(node, &known, None);
@@ -32,7 +53,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
             let message = "`<include>` has no `<uri>`";
             let help = "write `<uri>model://arm</uri>`";
             self.xml.report.error(Code::MissingElement, at, None, message, help);
-            return;
+            return None;
         };
         let has_pose = self.xml.named(node, "pose").next().is_some();
         let pose = self.pose(node, None);
@@ -54,7 +75,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
                 // The ground and the sun of a world are often installed with a simulator.
                 let severity = if scope == WORLD { Severity::Warning } else { Severity::Error };
                 self.xml.report.add(severity, Code::Include, uri.at, None, message, help);
-                return;
+                return None;
             }
         };
         let full = self.options.files.canonical(&path);
@@ -68,19 +89,16 @@ impl<'a> Reader<'a, '_, '_, '_> {
         if let Some(message) = problem {
             let help = "check where the file comes from: each model should include its parts only";
             self.xml.report.error(Code::Include, uri.at, None, message, help);
-            return;
+            return None;
         }
         self.files.count += 1;
         let shown = path.display().to_string();
         let file = read_named(&self.options.files, &path, &shown, uri.at, self.xml.report);
-        let Some((text, start)) = file else { return };
-        let Some(text) = document::within_limits(&text, start, self.xml.report) else { return };
+        let (text, start) = file?;
+        let text = document::within_limits(&text, start, self.xml.report)?;
         let folder = path.parent().map(Path::to_owned);
-        let outer = std::mem::replace(&mut self.files.folder, folder);
         self.files.open.push(full);
-        self.included(&text, start, scope, depth, overrides);
-        self.files.open.pop();
-        self.files.folder = outer;
+        Some(OpenFile { text, start, folder, overrides })
     }
 
     /// Reads the model of an included file, which starts at the offset `start`.

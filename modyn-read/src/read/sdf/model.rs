@@ -20,6 +20,16 @@ const MAX_DEPTH: usize = 64;
 /// The longest start of a full name, in bytes: each part of a model repeats it.
 const MAX_PREFIX: usize = 512;
 
+/// A model whose elements are read next.
+struct OpenModel {
+    scope: usize,
+    /// The scope that the model is in, and the start of full names there.
+    outer: usize,
+    prefix: String,
+    /// Whether its elements become elements of the outer scope.
+    merge: bool,
+}
+
 impl<'a> Reader<'a, '_, '_, '_> {
     /// Reads a `<world>`: its gravity, models, frames and joints.
     pub fn world(&mut self, node: Node<'a, '_>) {
@@ -58,6 +68,22 @@ impl<'a> Reader<'a, '_, '_, '_> {
 
     /// Reads a `<model>` of a scope.
     pub fn model(&mut self, node: Node<'a, '_>, outer: usize, depth: usize, overrides: Overrides) {
+        if let Some(opened) = self.open(node, outer, depth, overrides) {
+            self.elements(node, opened.scope, depth);
+            self.close(&opened);
+        }
+    }
+
+    /// Begins a model; `None` if it is nested too deeply. Models within it are read in the stack of
+    /// [`model`](Self::model), so this function is not a part of it.
+    #[inline(never)]
+    fn open(
+        &mut self,
+        node: Node<'a, '_>,
+        outer: usize,
+        depth: usize,
+        overrides: Overrides,
+    ) -> Option<OpenModel> {
         let at = self.xml.at(node);
         let attribute = self.xml.attribute(node, "name", None).map(trimmed);
         let name = overrides.name.or(attribute).unwrap_or(Located { text: "model".into(), at });
@@ -74,7 +100,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
                 format!("models are nested more than {MAX_DEPTH} deep, or have long names");
             let help = "check where the file comes from: no robot is nested this deeply";
             self.xml.report.error(Code::Excessive, at, None, message, help);
-            return;
+            return None;
         }
         let own_subject = Subject::Robot(name.text.clone());
         let subject = Some(&own_subject);
@@ -118,13 +144,19 @@ impl<'a> Reader<'a, '_, '_, '_> {
             BALL_CONSTRAINT,
         ];
         self.warn_of_unknown(node, &known, subject);
-        self.elements(node, scope, depth);
-        if merge {
-            for frame in self.world.scopes[scope].content.clone() {
-                let full = &self.world.frames[frame].name;
-                let name = Located { text: full.text[before.len()..].into(), at: full.at };
-                self.declare(outer, &name, frame);
-            }
+        Some(OpenModel { scope, outer, prefix: before, merge })
+    }
+
+    /// Ends a model: the elements of a merged model are elements of the enclosing model as well.
+    #[inline(never)]
+    fn close(&mut self, model: &OpenModel) {
+        if !model.merge {
+            return;
+        }
+        for frame in self.world.scopes[model.scope].content.clone() {
+            let full = &self.world.frames[frame].name;
+            let name = Located { text: full.text[model.prefix.len()..].into(), at: full.at };
+            self.declare(model.outer, &name, frame);
         }
     }
 
@@ -133,25 +165,32 @@ impl<'a> Reader<'a, '_, '_, '_> {
         for child in children(node).filter(Node::is_element) {
             match child.tag_name().name() {
                 "model" => self.model(child, scope, depth + 1, Overrides::default()),
-                "link" if scope != WORLD => self.link(child, scope),
-                "joint" => self.joint(child, scope),
-                BALL_CONSTRAINT => self.ball_constraint(child, scope),
-                "frame" => self.frame(child, scope),
                 "include" => self.include(child, scope, depth),
-                "plugin" => {
-                    let message =
-                        "a `<plugin>` is not read: forces that it applies do not act".into();
-                    let help = "apply such forces in the program that uses the robot";
-                    self.unread.add(message, (Some(self.xml.at(child)), None), help);
-                }
-                "population" => {
-                    let message = "`<population>` is not read";
-                    let help = "write out its models";
-                    let at = self.xml.at(child);
-                    self.xml.report.error(Code::NotRead, at, None, message, help);
-                }
-                _ => {}
+                _ => self.part(child, scope),
             }
+        }
+    }
+
+    /// Reads an element of a scope that contains no models.
+    #[inline(never)]
+    fn part(&mut self, node: Node<'a, '_>, scope: usize) {
+        match node.tag_name().name() {
+            "link" if scope != WORLD => self.link(node, scope),
+            "joint" => self.joint(node, scope),
+            BALL_CONSTRAINT => self.ball_constraint(node, scope),
+            "frame" => self.frame(node, scope),
+            "plugin" => {
+                let message = "a `<plugin>` is not read: forces that it applies do not act".into();
+                let help = "apply such forces in the program that uses the robot";
+                self.unread.add(message, (Some(self.xml.at(node)), None), help);
+            }
+            "population" => {
+                let message = "`<population>` is not read";
+                let help = "write out its models";
+                let at = self.xml.at(node);
+                self.xml.report.error(Code::NotRead, at, None, message, help);
+            }
+            _ => {}
         }
     }
 
