@@ -1,4 +1,5 @@
-//! Prints a hash of the text that is generated for each of the repository's robots, by every kind of output.
+//! Prints a hash of the text that is generated for each of the repository's robots, by every kind of
+//! output, and of each model that is read from an MJCF or an SDF of the tests.
 //!
 //! ```console
 //! cargo run -p modyn-codegen --example texts
@@ -11,7 +12,7 @@ use std::error::Error;
 use std::path::{Path, PathBuf};
 
 use modyn_codegen::diagnostics::Diagnostics;
-use modyn_codegen::{Builder, FloatType, Function};
+use modyn_codegen::{Builder, FloatType, Function, ReadOptions};
 use rayon::prelude::*;
 
 /// 64-bit FNV-1a.
@@ -21,24 +22,28 @@ fn hash(text: &str) -> u64 {
     })
 }
 
-fn descriptions(folder: &Path) -> Result<Vec<PathBuf>, Box<dyn Error>> {
-    let mut found = Vec::new();
+fn descriptions(folder: &Path, ending: &str) -> Result<Vec<PathBuf>, Box<dyn Error>> {
+    let mut paths = Vec::new();
     for entry in std::fs::read_dir(folder)? {
         let path = entry?.path();
-        if path.extension().is_some_and(|extension| extension == "urdf") {
-            found.push(path);
+        if path.extension().is_some_and(|extension| extension == ending) {
+            paths.push(path);
         }
     }
-    found.sort();
-    Ok(found)
+    paths.sort();
+    Ok(paths)
+}
+
+fn name(path: &Path) -> String {
+    path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     let mut cases = Vec::new();
     for folder in ["robots", "tests/golden"] {
-        for path in descriptions(&root.join(folder))? {
-            let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        for path in descriptions(&root.join(folder), "urdf")? {
+            let name = name(&path);
             // Hessians and implicit steps are made of the same numbers; with them, a humanoid's text would be too long.
             let functions = Function::ALL.iter().copied();
             let functions = functions.filter(|function| {
@@ -62,5 +67,13 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     let lines: Result<Vec<String>, Diagnostics> = cases.into_par_iter().map(line).collect();
     lines?.iter().for_each(|line| println!("{line}"));
+    for (folder, ending) in [("mjcf", "xml"), ("sdf", "sdf")] {
+        for path in descriptions(&root.join("modyn-read/tests").join(folder), ending)? {
+            // A file without a robot is a part of another one.
+            if let Ok(reading) = modyn_read::read_file(&path, &ReadOptions::default()) {
+                println!("{:016x} {} model", hash(&format!("{:?}", reading.model)), name(&path));
+            }
+        }
+    }
     Ok(())
 }

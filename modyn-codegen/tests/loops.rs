@@ -793,7 +793,7 @@ fn stiff_loops_of_steps_accelerate_as_loops_of_constrained_dynamics() {
     for model in models.chain([model(FOUR_BAR), model(FIVE_BAR)]) {
         let model = model.with_friction(Friction::None).expect("no friction");
         let mut interpreter = Interpreter::new(model.clone());
-        let soft = interpreter.soft_model();
+        let soft = SoftModel::of(interpreter.model());
         let stiff = |closed: &LoopParameters<f64>| LoopParameters {
             mobility: closed.mobility.map(|mobility| 1e-7 * mobility),
             ..*closed

@@ -90,7 +90,7 @@ fn surfaces(file: &Value) -> Vec<ContactSurface<f64>> {
 
 /// Returns the laws of a file, with the mobilities of MuJoCo.
 fn soft_model(file: &Value, cone: Cone, robot: &mut Interpreter<f64>) -> SoftModel<f64> {
-    let SoftModel { mut contacts, damping, .. } = robot.soft_model();
+    let SoftModel { mut contacts, damping, .. } = SoftModel::of(robot.model());
     for (contact, expected) in contacts.iter_mut().zip(list(&file["contacts"])) {
         contact.mobility = number(&expected["mobility"]);
     }
@@ -176,7 +176,7 @@ fn mobilities_are_those_of_mujoco() {
     for file in list(&data()) {
         let mut interpreter = Interpreter::<f64>::new(robot(file));
         let expected = soft_model(file, Cone::Elliptic, &mut interpreter);
-        let found = interpreter.soft_model();
+        let found = SoftModel::of(interpreter.model());
         let contacts = |model: &SoftModel<f64>| -> Vec<f64> {
             model.contacts.iter().map(|contact| contact.mobility).collect()
         };
@@ -288,7 +288,7 @@ fn forces_and_accelerations_are_in_equilibrium() {
         let (nq, nv) = (model.nq(), model.nv());
         let mut robot = Interpreter::<f64>::new(model.clone());
         // Without limits, whose forces are no results.
-        let soft = robot.soft_model();
+        let soft = SoftModel::of(robot.model());
         robot.set_soft_model(SoftModel { joints: vec![None; nv], ..soft });
         for k in 0..5 {
             let mut given = arguments(Function::Step, &model, &state(100 * seed + k, &model));

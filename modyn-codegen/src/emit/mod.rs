@@ -4,7 +4,8 @@
 //! The same input gives the same bytes on every host. Constants are folded through `libm`, and
 //! nothing depends on an address or on the order of a hash map. Sines of `f64` use fused products
 //! where the target has them, so numbers in the text that come from equations (base parameters, the
-//! condition number) are computed on `Portable`, which never fuses. `lab/check` compares the text
+//! condition number, the mobilities of `step`, inertias in the laws of an MJCF) are computed on
+//! `Portable`, which never fuses. `lab/check` compares the text
 //! of all robots from compilers built with and without fused products.
 //!
 //! Helper types begin with two underscores (`names::helper_type`), which no robot's type does.

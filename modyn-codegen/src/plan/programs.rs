@@ -2,9 +2,9 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use modyn_runtime::Interpreter;
 use modyn_runtime::equations::ModulePartition;
 use modyn_runtime::equations::dynamics::Elimination;
+use modyn_runtime::equations::soft_constraints::SoftModel;
 use modyn_runtime::model::ModuleTree;
 use modyn_runtime::quantities::{Argument, Function, Shape, Sizes};
 
@@ -221,7 +221,7 @@ impl PlanContext<'_> {
     /// Returns the graph of a step whose accelerations are known: it has the derivatives of the
     /// step.
     pub(super) fn refined_step(&self) -> Graph {
-        let soft = Interpreter::<f64>::new(self.model.clone()).soft_model();
+        let soft = SoftModel::of(self.model);
         optimize(self.tracer.refined_step(&self.elimination_of_steps(), &soft))
     }
 
@@ -235,7 +235,7 @@ impl PlanContext<'_> {
     /// Returns the programs of a step with soft constraints. With `plain`, quaternions are scaled
     /// to length 1 first.
     pub(super) fn step(&self, scalars: usize, plain: bool) -> Kernels {
-        let soft = Interpreter::<f64>::new(self.model.clone()).soft_model();
+        let soft = SoftModel::of(self.model);
         let traced = |tracer: &Tracer<'_>, elimination: &Elimination| {
             let step = tracer.step(elimination, &soft);
             let inputs = step.results.inputs.end;

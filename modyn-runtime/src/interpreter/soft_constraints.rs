@@ -10,9 +10,11 @@ use crate::equations::soft_constraints::{
     StepProblem, moved, soft_step,
 };
 use crate::mechanism::Mechanism;
-use crate::model::{Friction, LoopConstraint, LoopSoftness, ModuleTree, Softness, TouchingShape};
+use crate::model::{
+    Friction, LoopConstraint, LoopSoftness, Model, ModuleTree, Softness, TouchingShape,
+};
 use crate::spatial::{Twist, Vector3};
-use crate::{ContactSurface, Scalar, StepSettings};
+use crate::{ContactSurface, Portable, Scalar, StepSettings};
 
 /// The acceleration by gravity in the unit of residuals, m/s^2.
 const EARTH: f64 = 9.81;
@@ -54,9 +56,7 @@ impl<S: Scalar> Interpreter<S> {
         outputs: StepSolutionOutputs<'_, S>,
     ) -> Result<(), ShapeError> {
         let Self { model, soft, mechanism, elimination, workspace, .. } = self;
-        let soft = soft.get_or_insert_with(|| {
-            Interpreter::<f64>::new(model.clone()).soft_model().map(S::from_f64)
-        });
+        let soft = soft.get_or_insert_with(|| SoftModel::of(model).map(S::from_f64));
         let points: usize = soft.contacts.iter().map(|contact| contact.shape.points()).sum();
         check("q", input.q, model.nq())?;
         check("qd", input.qd, model.nv())?;
@@ -91,59 +91,65 @@ impl<S: Scalar> Interpreter<S> {
     }
 }
 
-/// The mobilities of a robot at its neutral configuration.
+/// The mobilities of a robot at its neutral configuration. They become part of generated text, so
+/// they are the same on every host.
 struct Mobilities {
-    q: Vec<f64>,
-    factors: UduFactorization<f64>,
+    robot: Interpreter<Portable>,
+    q: Vec<Portable>,
+    factors: UduFactorization<Portable>,
 }
 
 impl Mobilities {
-    fn at_neutral(robot: &mut Interpreter<f64>) -> Self {
-        let mut q = vec![0.0; robot.model.nq()];
+    fn at_neutral(model: &Model) -> Self {
+        let robot = Interpreter::<Portable>::new(model.clone());
+        let mut q = vec![Portable(0.0); model.nq()];
         robot.neutral(&mut q).expect(LENGTHS);
         let factors = robot.brge(&q).expect(LENGTHS);
-        Self { q, factors }
+        Self { robot, q, factors }
     }
 
     /// Returns J M^-1 J^T of a row J.
-    fn of_row(&self, row: &[f64]) -> f64 {
+    fn of_row(&self, row: &[Portable]) -> f64 {
         let response = self.factors.solve(row).expect(LENGTHS);
-        row.iter().zip(response).map(|(a, b)| a * b).sum()
+        row.iter().zip(response).map(|(a, b)| a.0 * b.0).sum()
     }
 
     /// Returns the mean mobilities of displacements of a link's center of mass, 1/kg, and of
     /// rotations, 1/(kg m^2); zero for a link that cannot move.
-    fn of_link(&self, robot: &mut Interpreter<f64>, link: usize) -> [f64; 2] {
+    fn of_link(&mut self, link: usize) -> [f64; 2] {
+        let Self { robot, q, .. } = self;
         if robot.mechanism.frames[link].body.is_none() {
             return [0.0; 2];
         }
-        let center = Vector3(robot.model.frames()[link].inertial.center_of_mass);
+        let center = robot.model.frames()[link].inertial.center_of_mass.map(Portable);
         let mut twists = vec![Twist::zero(); robot.model.nv()];
-        robot.local_jacobian(&self.q, link, &mut twists).expect(LENGTHS);
-        let mean = |part: &dyn Fn(&Twist<f64>) -> Vector3<f64>| {
+        robot.local_jacobian(q, link, &mut twists).expect(LENGTHS);
+        let mean = |part: &dyn Fn(&Twist<Portable>) -> Vector3<Portable>| {
             let axis = |k: usize| -> f64 {
-                let row: Vec<f64> = twists.iter().map(|twist| part(twist).0[k]).collect();
+                let row: Vec<Portable> = twists.iter().map(|twist| part(twist).0[k]).collect();
                 self.of_row(&row)
             };
             (axis(0) + axis(1) + axis(2)) / 3.0
         };
-        let at_center = |twist: &Twist<f64>| twist.linear + twist.angular.cross(center);
+        let at_center =
+            |twist: &Twist<Portable>| twist.linear + twist.angular.cross(Vector3(center));
         [mean(&at_center), mean(&|twist| twist.angular)]
     }
 }
 
-impl Interpreter<f64> {
-    /// Returns what the robot's soft constraints have beside the settings of a step: the joint limits of the
-    /// description, its dry joint friction if friction is enabled, and mobilities at the neutral
-    /// configuration, where MuJoCo has those of its reference configuration.
+impl SoftModel<f64> {
+    /// Returns what a robot's soft constraints have beside the settings of a step: the joint limits
+    /// of the description, its dry joint friction if friction is enabled, and mobilities at the
+    /// neutral configuration, where MuJoCo has those of its reference configuration.
     #[must_use]
-    pub fn soft_model(&mut self) -> SoftModel<f64> {
-        let mobilities = Mobilities::at_neutral(self);
-        let shapes = self.model.touching_shapes();
+    pub fn of(model: &Model) -> Self {
+        let mechanism = Mechanism::<f64>::new(model);
+        let mut mobilities = Mobilities::at_neutral(model);
+        let shapes = model.touching_shapes();
         let contact = |shape: TouchingShape| {
             let link = shape.end.frame;
-            let [mobility, _] = mobilities.of_link(self, link);
-            let frame = &self.mechanism.frames[link];
+            let [mobility, _] = mobilities.of_link(link);
+            let frame = &mechanism.frames[link];
             ContactParameters {
                 body: frame.body.expect("shapes are on moving links"),
                 pose: frame.pose.compose(&shape.end.pose),
@@ -154,30 +160,29 @@ impl Interpreter<f64> {
             }
         };
         let contacts: Vec<_> = shapes.into_iter().map(contact).collect();
-        let constraints = self.model.loop_constraints().to_vec();
         let closed = |(i, constraint): (usize, &LoopConstraint)| {
             let [first, second] =
-                constraint.ends.each_ref().map(|end| mobilities.of_link(self, end.frame));
+                constraint.ends.each_ref().map(|end| mobilities.of_link(end.frame));
             let LoopSoftness { softness, torque_scale, .. } =
-                self.model.soft_constraints().softness_of_loop(i);
+                model.soft_constraints().softness_of_loop(i);
             let mobility = [0, 1].map(|k| first[k] + second[k]);
             LoopParameters { mobility, softness, torque_scale }
         };
-        let loops: Vec<_> = constraints.iter().enumerate().map(closed).collect();
-        let stops = self.model.soft_constraints().joint_limits;
-        let mut joints = vec![None; self.model.nv()];
-        for i in 0..self.model.links().len() {
-            let (coordinates, velocities) = (self.model.q_range(i), self.model.v_range(i));
-            if coordinates.len() != 1 || self.model.mimic(i).is_some() {
+        let loops: Vec<_> = model.loop_constraints().iter().enumerate().map(closed).collect();
+        let stops = model.soft_constraints().joint_limits;
+        let mut joints = vec![None; model.nv()];
+        for i in 0..model.links().len() {
+            let (coordinates, velocities) = (model.q_range(i), model.v_range(i));
+            if coordinates.len() != 1 || model.mimic(i).is_some() {
                 continue;
             }
             let dof = velocities.start;
-            let mut unit = vec![0.0; self.model.nv()];
-            unit[dof] = 1.0;
+            let mut unit = vec![Portable(0.0); model.nv()];
+            unit[dof] = Portable(1.0);
             // Mimic joints stop and brake their leader.
-            let [lower, upper] = self.model.coordinate_range(i);
-            let friction = self.dry_friction(i);
-            let mut softnesses = self.model.soft_constraints().joints.iter();
+            let [lower, upper] = model.coordinate_range(i);
+            let friction = dry_friction(model, i);
+            let mut softnesses = model.soft_constraints().joints.iter();
             let softness = softnesses.find(|softness| softness.joint == i);
             let margin = softness.map_or(0.0, |softness| softness.margin);
             joints[dof] = Some(JointParameters {
@@ -191,47 +196,47 @@ impl Interpreter<f64> {
                 friction: softness.map_or_else(Softness::standard, |softness| softness.friction),
             });
         }
-        let mass: f64 = self.model.links().iter().map(|link| link.inertial.mass).sum();
-        let cone = self.model.soft_constraints().cone;
+        let mass: f64 = model.links().iter().map(|link| link.inertial.mass).sum();
+        let cone = model.soft_constraints().cone;
         SoftModel {
             cone,
             weight: (mass * EARTH).max(LEAST_WEIGHT),
             contacts,
-            damping: self.damping_in_steps(),
+            damping: damping_in_steps(model, &mechanism),
             joints,
             loops,
         }
     }
+}
 
-    /// Returns the damping of each degree of freedom of the mechanism in steps.
-    fn damping_in_steps(&self) -> Vec<Option<f64>> {
-        let damping = |mechanism: &Mechanism<f64>| {
-            mechanism.dofs.iter().map(|dof| dof.damping).collect::<Vec<_>>()
+/// Returns the damping of each degree of freedom of the mechanism in steps.
+fn damping_in_steps(model: &Model, mechanism: &Mechanism<f64>) -> Vec<Option<f64>> {
+    let damping = |mechanism: &Mechanism<f64>| {
+        mechanism.dofs.iter().map(|dof| dof.damping).collect::<Vec<_>>()
+    };
+    match model.friction() {
+        Friction::None if model.soft_constraints().joint_friction => {
+            let damped = model.clone().with_friction(Friction::Viscous);
+            damping(&Mechanism::new(&damped.expect("a kind of friction without parameters")))
+        }
+        _ => damping(mechanism),
+    }
+}
+
+/// Returns the dry friction of a joint and of the mimic joints that follow it, N m or N; zero if
+/// friction is not enabled.
+fn dry_friction(model: &Model, joint: usize) -> f64 {
+    let acts = matches!(model.friction(), Friction::Coulomb | Friction::Smooth(_));
+    if !(acts || model.soft_constraints().joint_friction) {
+        return 0.0;
+    }
+    let joints = model.links().iter().enumerate().filter_map(|(i, link)| {
+        let multiplier = match model.mimic(i) {
+            Some(mimic) if mimic.leader == joint => mimic.multiplier.abs(),
+            None if i == joint => 1.0,
+            _ => return None,
         };
-        let model = &self.model;
-        match model.friction() {
-            Friction::None if model.soft_constraints().joint_friction => {
-                let damped = model.clone().with_friction(Friction::Viscous);
-                damping(&Mechanism::new(&damped.expect("a kind of friction without parameters")))
-            }
-            _ => damping(&self.mechanism),
-        }
-    }
-
-    /// Returns the dry friction of a joint and of the mimic joints that follow it, N m or N; zero if friction is not enabled.
-    fn dry_friction(&self, joint: usize) -> f64 {
-        let acts = matches!(self.model.friction(), Friction::Coulomb | Friction::Smooth(_));
-        if !(acts || self.model.soft_constraints().joint_friction) {
-            return 0.0;
-        }
-        let joints = self.model.links().iter().enumerate().filter_map(|(i, link)| {
-            let multiplier = match self.model.mimic(i) {
-                Some(mimic) if mimic.leader == joint => mimic.multiplier.abs(),
-                None if i == joint => 1.0,
-                _ => return None,
-            };
-            Some(multiplier * link.joint.dynamics.friction)
-        });
-        joints.sum()
-    }
+        Some(multiplier * link.joint.dynamics.friction)
+    });
+    joints.sum()
 }

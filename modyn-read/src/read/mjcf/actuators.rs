@@ -2,12 +2,12 @@
 
 use std::collections::HashMap;
 
-use modyn_runtime::Interpreter;
 use modyn_runtime::joint::JointType;
 use modyn_runtime::model::{
     Activation, ActivationDynamics, Actuator, AffineLaw, FixedTendon, Limits, TendonJoint,
     Transmission,
 };
+use modyn_runtime::{Interpreter, Portable};
 
 use super::actuator_law::{ActuatorLaw, Range};
 use super::bodies::Bodies;
@@ -253,23 +253,25 @@ impl<'e> Bodies<'e, '_, '_> {
         if actuators.len() > MAX_SPRING_DAMPERS || actuators.len() * links > MAX_ACCELERATIONS {
             return None;
         }
-        let q = model.keyframes().first().map(|drawn| drawn.q.clone())?;
+        // The inertias become part of generated text, which must be the same on every host.
+        let portable = |numbers: &Vec<f64>| numbers.iter().copied().map(Portable).collect();
+        let q: Vec<Portable> = model.keyframes().first().map(|drawn| portable(&drawn.q))?;
         let records = model.links().iter().enumerate();
         let places: HashMap<String, usize> = records
             .map(|(link, record)| (record.joint.name.clone(), model.v_range(link).start))
             .collect();
-        let still = vec![0.0; model.nv()];
+        let still = vec![Portable(0.0); model.nv()];
         let mut qdd = still.clone();
-        let mut robot = Interpreter::<f64>::new(model);
+        let mut robot = Interpreter::<Portable>::new(model);
         let inertia = |moments: &Vec<(usize, f64)>| {
             let name = |joint: usize| self.description.joints[joint].name.text.as_str();
             let places =
                 moments.iter().map(|&(joint, moment)| Some((places.get(name(joint))?, moment)));
             let moments: Vec<(&usize, f64)> = places.collect::<Option<_>>()?;
             let mut tau = still.clone();
-            moments.iter().for_each(|&(&place, moment)| tau[place] += moment);
+            moments.iter().for_each(|&(&place, moment)| tau[place].0 += moment);
             robot.forward_dynamics(&q, &still, &tau, &mut qdd).ok()?;
-            let inverse: f64 = moments.iter().map(|&(&place, moment)| moment * qdd[place]).sum();
+            let inverse: f64 = moments.iter().map(|&(&place, moment)| moment * qdd[place].0).sum();
             inverse.is_finite().then(|| 1.0 / inverse.max(LEAST))
         };
         actuators.iter().map(inertia).collect()

@@ -2,8 +2,8 @@
 
 use std::collections::HashMap;
 
-use modyn_runtime::Interpreter;
 use modyn_runtime::model::{Actuation, Friction, Inertial, Model};
+use modyn_runtime::{Interpreter, Portable};
 
 use super::bodies::Bodies;
 use super::settings::LEAST;
@@ -46,21 +46,23 @@ impl Bodies<'_, '_, '_> {
         let ranges: Vec<_> =
             links.iter().map(|link| link.map(|link| model.v_range(link))).collect();
         let n = model.nv();
-        let mut tau = vec![0.0; n];
-        let mut acceleration = vec![0.0; n];
-        let still = vec![0.0; n];
-        let mut robot = Interpreter::<f64>::new(model);
+        // The numbers become part of generated text, which must be the same on every host.
+        let q: Vec<Portable> = q.into_iter().map(Portable).collect();
+        let still = vec![Portable(0.0); n];
+        let mut tau = still.clone();
+        let mut acceleration = still.clone();
+        let mut robot = Interpreter::<Portable>::new(model);
         for (i, range) in ranges.into_iter().enumerate() {
             let (joint, [time, ratio]) = self.spring_dampers[i];
             let Some(range) = range else { continue };
             let count = range.len() as f64;
             let mut inverse = 0.0;
             for k in range {
-                tau[k] = 1.0;
+                tau[k] = Portable(1.0);
                 if robot.forward_dynamics(&q, &still, &tau, &mut acceleration).is_ok() {
-                    inverse += acceleration[k];
+                    inverse += acceleration[k].0;
                 }
-                tau[k] = 0.0;
+                tau[k] = Portable(0.0);
             }
             if !inverse.is_finite() {
                 // A robot without inertia has no dynamics.
