@@ -184,8 +184,19 @@ impl<S: Number> Typed<S> {
         match (kind, given.filter(|given| !given.is_none())) {
             (kind, Some(given)) => {
                 let numbers = match kind {
-                    ArgumentKind::Settings | ArgumentKind::StepSettings => {
-                        Given::read_for_scalar(self.name, name, shape, given)?
+                    ArgumentKind::Settings => {
+                        let wanted = SettingsForm {
+                            class: "ConstraintSettings",
+                            contacts: "one for each name of `contact_names`, in their order",
+                        };
+                        self.settings(&wanted, (name, shape), given)?
+                    }
+                    ArgumentKind::StepSettings => {
+                        let wanted = SettingsForm {
+                            class: "StepSettings",
+                            contacts: "those that `step_settings()` has, in their order",
+                        };
+                        self.settings(&wanted, (name, shape), given)?
                     }
                     ArgumentKind::Contacts => match Given::read(self.name, name, shape, given) {
                         Ok(numbers) => numbers,
@@ -221,6 +232,33 @@ impl<S: Number> Typed<S> {
                 Err(PyTypeError::new_err(format!("`{}` needs the argument `{name}`", self.name)))
             }
         }
+    }
+
+    /// Returns the numbers of settings: an object of their class, or an array.
+    fn settings<'py>(
+        &self,
+        wanted: &SettingsForm,
+        (name, shape): (&'static str, &[usize]),
+        given: &Bound<'py, PyAny>,
+    ) -> PyResult<Given<'py, S>> {
+        let class = given.get_type().name()?.to_string();
+        let function = self.name;
+        if class.ends_with("Settings") && class != wanted.class {
+            let message =
+                format!("`settings` of `{function}` is a `{class}`; expected `{}`", wanted.class);
+            return Err(PyTypeError::new_err(message));
+        }
+        Given::read_for_scalar(function, name, shape, given).map_err(|error| {
+            match given.getattr("contacts").and_then(|contacts| contacts.len()) {
+                Ok(count) if error.is_instance_of::<PyValueError>(given.py()) => {
+                    PyValueError::new_err(format!(
+                        "`settings` of `{function}` has {count} contacts; expected {}",
+                        wanted.contacts
+                    ))
+                }
+                _ => error,
+            }
+        })
     }
 
     /// Returns the set of active contacts with these names.
@@ -475,6 +513,13 @@ fn names_in(object: &Bound<'_, PyAny>) -> Option<Vec<String>> {
     // An empty array may be meant as booleans of another length.
     let is_list = object.is_instance_of::<PyList>() || object.is_instance_of::<PyTuple>();
     (is_list || !names.is_empty()).then_some(names)
+}
+
+/// The form that the settings of a function have in Python.
+struct SettingsForm {
+    class: &'static str,
+    /// The contacts, in words.
+    contacts: &'static str,
 }
 
 /// Returns the error of a set of active contacts with the form of one.

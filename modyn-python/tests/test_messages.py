@@ -106,6 +106,24 @@ def test_active_contacts_by_name():
         robot.constrained_forward_dynamics(z, z, z, ["top"])
 
 
+def test_settings_of_another_robot_or_function():
+    robot = modyn.loads(ARM, friction="none", contacts=TIP)
+    z = np.zeros(1)
+    two = modyn.ConstraintSettings(contacts=[modyn.ContactTarget()] * 2)
+    with pytest.raises(ValueError, match="`settings` of `constrained_forward_dynamics` has 2 contacts; expected one for each name of `contact_names`"):
+        robot.constrained_forward_dynamics(z, z, z, settings=two)
+    with pytest.raises(ValueError, match=r"`settings` of `step` has 0 contacts; expected those that `step_settings\(\)` has, in their order"):
+        robot.step(z, z, z, 1e-3, settings=modyn.StepSettings())
+    with pytest.raises(TypeError, match="`settings` of `step` is a `ConstraintSettings`; expected `StepSettings`"):
+        robot.step(z, z, z, 1e-3, settings=two)
+    with pytest.raises(TypeError, match="`settings` of `constrained_forward_dynamics` is a `StepSettings`; expected `ConstraintSettings`"):
+        robot.constrained_forward_dynamics(z, z, z, settings=robot.step_settings())
+    # As the messages say.
+    one = modyn.ConstraintSettings(contacts=[modyn.ContactTarget() for _ in robot.contact_names])
+    assert np.isfinite(robot.constrained_forward_dynamics(z, z, z, settings=one).qdd).all()
+    assert np.isfinite(robot.step(z, z, z, 1e-3, settings=robot.step_settings()).qdd).all()
+
+
 @pytest.mark.parametrize("machine_code", [True, False])
 def test_active_contacts_by_name_are_those_by_booleans(machine_code):
     points = {name: ("point", "a", [0.1 * i, 0, 0]) for i, name in enumerate(("left", "middle", "right"), 1)}
