@@ -189,14 +189,14 @@ impl<S: Number> Typed<S> {
                             class: "ConstraintSettings",
                             contacts: "one for each name of `contact_names`, in their order",
                         };
-                        self.settings(&wanted, (name, shape), given)?
+                        self.settings(&wanted, name, shape, given)?
                     }
                     ArgumentKind::StepSettings => {
                         let wanted = SettingsForm {
                             class: "StepSettings",
                             contacts: "those that `step_settings()` has, in their order",
                         };
-                        self.settings(&wanted, (name, shape), given)?
+                        self.settings(&wanted, name, shape, given)?
                     }
                     ArgumentKind::Contacts => match Given::read(self.name, name, shape, given) {
                         Ok(numbers) => numbers,
@@ -238,7 +238,8 @@ impl<S: Number> Typed<S> {
     fn settings<'py>(
         &self,
         wanted: &SettingsForm,
-        (name, shape): (&'static str, &[usize]),
+        name: &'static str,
+        shape: &[usize],
         given: &Bound<'py, PyAny>,
     ) -> PyResult<Given<'py, S>> {
         let class = given.get_type().name()?.to_string();

@@ -23,7 +23,7 @@ const MODEL_PATHS: [&str; 4] =
 /// An included file whose model is read next.
 struct OpenFile {
     text: String,
-    /// The offset of the text among those of all files.
+    /// The offset of the text in the texts of all files.
     start: usize,
     folder: Option<PathBuf>,
     overrides: Overrides,
