@@ -79,6 +79,13 @@ def closures(rng, k):
     return f"<equality>{inner}{outer}</equality>"
 
 
+def free(rng, k):
+    """The joint of the base, which has damping and armature in the robots with closed loops."""
+    if k < LOOPS:
+        return "<freejoint/>"
+    return f'<joint type="free" damping="{numbers(rng.uniform(0, 0.5))}" armature="{numbers(rng.uniform(0, 0.2))}"/>'
+
+
 def overriding(rng):
     """Settings of all contacts, which replace those of the geoms."""
     slide, spin, roll = rng.uniform(0.2, 1.0), *rng.uniform(0.005, 0.1, 2)
@@ -108,7 +115,7 @@ def scene(rng, k):
     option = overriding(rng) if kind == 3 else ""
     flag = '<flag override="enable"/>' if kind == 3 else ""
     return (f'<mujoco model="floor {k}"><compiler angle="radian"/><option cone="{cone}" impratio="{numbers(rng.uniform(0.5, 4))}" '
-            f"{option}>{flag}</option><worldbody>{floor}<body name='base'><freejoint/>{base}{limbs}</body></worldbody>{contacts}"
+            f"{option}>{flag}</option><worldbody>{floor}<body name='base'>{free(rng, k)}{base}{limbs}</body></worldbody>{contacts}"
             f"{closures(rng, k) if k >= LOOPS else ''}</mujoco>")
 
 

@@ -3,7 +3,7 @@
 
 use alloc::{vec, vec::Vec};
 
-use super::responses::Effect;
+use super::responses::{Effect, ImplicitDamping};
 use super::rows::StepInput;
 use crate::Scalar;
 use crate::equations::dynamics::{inverse_dynamics, mass_matrix};
@@ -50,12 +50,11 @@ impl<S: Scalar> DenseProblem<S> {
         self
     }
 
-    /// Returns the joint accelerations, relative to free fall, under these forces of the rows. `dampings` are the
-    /// entries of qd that are damped, each with the damping times the time of the step.
+    /// Returns the joint accelerations, relative to free fall, under these forces of the rows.
     pub fn accelerations(
         &self,
         layout: &UduLayout,
-        dampings: &[(usize, S)],
+        dampings: &[ImplicitDamping<S>],
         forces: &[S],
         effect: Effect<'_, S>,
     ) -> Vec<S> {
@@ -91,10 +90,11 @@ impl<S: Scalar> DenseProblem<S> {
                 }
             }
             Effect::Forces => {
-                for &(entry, damping) in dampings {
+                for &ImplicitDamping { entry, armature, force } in dampings {
                     let mut unit = vec![S::zero(); nv];
                     unit[entry] = S::one();
-                    add(&unit, &unit, damping);
+                    add(&unit, &unit, armature);
+                    sum[entry] = sum[entry] + force;
                 }
             }
         }

@@ -4,7 +4,7 @@ use alloc::{vec, vec::Vec};
 
 use super::dense::DenseProblem;
 use super::loops::LoopRows;
-use super::responses::{Effect, Laws};
+use super::responses::{Effect, ImplicitDamping, Laws};
 use super::rows::{
     BodyState, ContactOptions, ContactRows, JointRow, SoftModel, StepInput, body_twists,
     joint_rows, softness,
@@ -36,23 +36,25 @@ pub struct SoftMotion<S> {
 /// rotations by the exponential map, as in MuJoCo.
 pub fn moved<S: Scalar>(model: &Mechanism<S>, input: StepInput<'_, S>, qdd: &[S]) -> [Vec<S>; 2] {
     let StepInput { q, qd, dt, .. } = input;
-    let mut next_qd: Vec<S> = qd.iter().zip(qdd).map(|(&v, &a)| v + dt * a).collect();
     // The velocities of a floating joint are in axes that rotate, and straight motion keeps them in the world.
-    let poses =
-        model.coordinates.iter().filter(|block| matches!(block.space, CoordinateSpace::Pose));
-    for block in poses {
-        let [linear, angular] = [0, 3].map(|first| {
-            let start = block.v + first;
-            Vector3([qd[start], qd[start + 1], qd[start + 2]])
-        });
-        let turning = angular.cross(linear).scale(dt);
-        for (entry, turning) in next_qd[block.v..].iter_mut().zip(turning.0) {
-            *entry = *entry + turning;
-        }
-    }
+    let rates = qdd.iter().zip(turning(model, qd)).map(|(&rate, turning)| rate + turning);
+    let mut next_qd: Vec<S> = qd.iter().zip(rates).map(|(&v, rate)| v + dt * rate).collect();
     let mut next_q = vec![S::zero(); model.nq];
     coordinates::move_straight(model, q, &mut next_qd, dt, &mut next_q);
     [next_q, next_qd]
+}
+
+/// Returns what the accelerations of floating joints lack to the rates of their velocities in the
+/// world, in the axes of the joint: omega x v for linear entries, zero for all others.
+fn turning<S: Scalar>(model: &Mechanism<S>, qd: &[S]) -> Vec<S> {
+    let mut turning = vec![S::zero(); model.nv];
+    let spaces = model.coordinates.iter();
+    for block in spaces.filter(|block| matches!(block.space, CoordinateSpace::Pose)) {
+        let [linear, angular] =
+            [block.v, block.v + 3].map(|start| Vector3([qd[start], qd[start + 1], qd[start + 2]]));
+        turning[block.v..block.v + 3].copy_from_slice(&angular.cross(linear).0);
+    }
+    turning
 }
 
 /// Returns the number of lanes of each body.
@@ -145,7 +147,18 @@ impl<'a, S: Scalar, T: BodyTree<S>> StepProblem<'a, S, T> {
             };
             ContactRows::of_shape(parameters, &state, surface, options)
         });
-        let contacts: Vec<ContactRows<S>> = contacts.collect();
+        let mut contacts: Vec<ContactRows<S>> = contacts.collect();
+        // The laws have the accelerations in the world; bases in free fall have no other ones.
+        let mut turning = turning(model, qd);
+        let falling = model.dofs.iter().filter(|dof| is_base(model, dof.body));
+        falling.for_each(|dof| turning[dof.v] = S::zero());
+        body_twists(tree, &turning, workspace);
+        for contact in &mut contacts {
+            let turned: Vec<S> = contact.acceleration(&workspace.twists[contact.body]).collect();
+            for (reference, turned) in contact.law.reference.iter_mut().zip(turned) {
+                *reference = *reference - turned;
+            }
+        }
         let joints = joint_rows(&soft.joints, input);
         body_twists(tree, &fall, workspace);
         let constraints = model.constraints.iter().zip(&soft.loops);
@@ -306,12 +319,7 @@ impl<'a, S: Scalar, T: BodyTree<S>> StepProblem<'a, S, T> {
         let partition = match (self.elimination, &self.dense) {
             (Elimination::Recursive(partition), _) => partition,
             (Elimination::Matrix(layout), Some(dense)) => {
-                let dampings = self.tree.mechanism().dofs.iter().filter_map(|dof| {
-                    let multiplier = dof.multiplier.unwrap_or_else(S::one);
-                    let damping = dof.damping? * self.input.dt;
-                    Some((dof.v, multiplier * damping * multiplier))
-                });
-                let dampings: Vec<(usize, S)> = dampings.collect();
+                let dampings = self.implicit_dampings();
                 let accelerations = dense.accelerations(layout, &dampings, forces, effect);
                 body_twists(self.tree, &accelerations, self.workspace);
                 self.accelerations = accelerations;
@@ -319,6 +327,7 @@ impl<'a, S: Scalar, T: BodyTree<S>> StepProblem<'a, S, T> {
             }
             (Elimination::Matrix(_), None) => unreachable!("the matrix is there from the start"),
         };
+        let dampings = self.implicit_dampings();
         let Self { tree, workspace, contacts, joints, .. } = self;
         workspace.wrenches.copy_from_slice(&self.bias);
         let mut tau = self.input.tau.to_vec();
@@ -343,9 +352,9 @@ impl<'a, S: Scalar, T: BodyTree<S>> StepProblem<'a, S, T> {
                 }
             }
             Effect::Forces => {
-                for (added, dof) in workspace.added_armature.iter_mut().zip(&tree.mechanism().dofs)
-                {
-                    *added = dof.damping.map(|damping| damping * self.input.dt);
+                for ImplicitDamping { entry, armature, force } in dampings {
+                    workspace.added_armature[entry] = Some(armature);
+                    tau[entry] = tau[entry] + force;
                 }
             }
         }
@@ -354,6 +363,22 @@ impl<'a, S: Scalar, T: BodyTree<S>> StepProblem<'a, S, T> {
         body_twists(*tree, &self.accelerations, workspace);
         workspace.added_inertia.fill(None);
         workspace.added_armature.fill(None);
+    }
+
+    /// Returns the dampings that act with the velocities after the step. Accelerations are relative
+    /// to free fall, and the linear velocity of a floating joint is damped in the world, in which the
+    /// axes of its entries rotate.
+    fn implicit_dampings(&self) -> Vec<ImplicitDamping<S>> {
+        let model = self.tree.mechanism();
+        let StepInput { qd, dt, .. } = self.input;
+        let turning = turning(model, qd);
+        let damped = model.dofs.iter().filter_map(|dof| {
+            let multiplier = dof.multiplier.unwrap_or_else(S::one);
+            let armature = multiplier * (dof.damping? * dt) * multiplier;
+            let force = -(armature * (self.fall[dof.v] + turning[dof.v]));
+            Some(ImplicitDamping { entry: dof.v, armature, force })
+        });
+        damped.collect()
     }
 
     /// Returns the accelerations of the joints.

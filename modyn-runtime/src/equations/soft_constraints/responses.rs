@@ -45,3 +45,13 @@ pub(super) enum Effect<'a, S> {
     /// Forces. The damping of joints acts with the velocities after the step.
     Forces,
 }
+
+/// A damping that acts with the velocity after a step.
+pub(super) struct ImplicitDamping<S> {
+    /// The entry of qd.
+    pub entry: usize,
+    /// The damping times the time of the step, which adds to the mass matrix.
+    pub armature: S,
+    /// The joint force by free fall and by the rotation of the entry's axis.
+    pub force: S,
+}
