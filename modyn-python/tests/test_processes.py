@@ -265,7 +265,9 @@ def test_signals_end_long_calls(threads):
 def test_an_interrupt_in_another_process():
     """Ctrl-C during a rollout is a `KeyboardInterrupt`."""
     program = (
-        "import modyn, numpy as np, sys\n"
+        "import modyn, numpy as np, signal, sys\n"
+        # A shell lets the commands that it starts in the background ignore the signal, and they pass that on.
+        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
         "robot = modyn.load(sys.argv[1], friction='none')\n"
         "print('go', flush=True)\n"
         "try:\n"
