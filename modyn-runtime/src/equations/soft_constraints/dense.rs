@@ -51,13 +51,7 @@ impl<S: Scalar> DenseProblem<S> {
     }
 
     /// Returns the joint accelerations, relative to free fall, under these forces of the rows.
-    pub fn accelerations(
-        &self,
-        layout: &UduLayout,
-        dampings: &[ImplicitDamping<S>],
-        forces: &[S],
-        effect: Effect<'_, S>,
-    ) -> Vec<S> {
+    pub fn accelerations(&self, layout: &UduLayout, forces: &[S], effect: Effect<'_, S>) -> Vec<S> {
         let nv = self.forces.len();
         let mut sum = self.forces.clone();
         for (row, &force) in self.jacobian.iter().zip(forces) {
@@ -89,7 +83,7 @@ impl<S: Scalar> DenseProblem<S> {
                     add(row, row, stiffness);
                 }
             }
-            Effect::Forces => {
+            Effect::Forces(dampings) => {
                 for &ImplicitDamping { entry, armature, force } in dampings {
                     let mut unit = vec![S::zero(); nv];
                     unit[entry] = S::one();

@@ -289,9 +289,10 @@ impl<'a, S: Scalar, T: BodyTree<S>> StepProblem<'a, S, T> {
     pub fn motion(&mut self, end: &Iterate<S>) -> SoftMotion<S> {
         let laws = self.laws(end, S::one());
         let qdd = self.rates();
-        if self.tree.mechanism().dofs.iter().any(|dof| dof.damping.is_some()) {
+        let dampings = self.implicit_dampings();
+        if !dampings.is_empty() {
             let forces: Vec<S> = laws.forces().collect();
-            self.accelerate(&forces, Effect::Forces);
+            self.accelerate(&forces, Effect::Forces(&dampings));
         }
         SoftMotion {
             qdd,
@@ -319,15 +320,13 @@ impl<'a, S: Scalar, T: BodyTree<S>> StepProblem<'a, S, T> {
         let partition = match (self.elimination, &self.dense) {
             (Elimination::Recursive(partition), _) => partition,
             (Elimination::Matrix(layout), Some(dense)) => {
-                let dampings = self.implicit_dampings();
-                let accelerations = dense.accelerations(layout, &dampings, forces, effect);
+                let accelerations = dense.accelerations(layout, forces, effect);
                 body_twists(self.tree, &accelerations, self.workspace);
                 self.accelerations = accelerations;
                 return;
             }
             (Elimination::Matrix(_), None) => unreachable!("the matrix is there from the start"),
         };
-        let dampings = self.implicit_dampings();
         let Self { tree, workspace, contacts, joints, .. } = self;
         workspace.wrenches.copy_from_slice(&self.bias);
         let mut tau = self.input.tau.to_vec();
@@ -351,8 +350,8 @@ impl<'a, S: Scalar, T: BodyTree<S>> StepProblem<'a, S, T> {
                     *sum = Some(sum.map_or(stiffness, |sum| sum + stiffness));
                 }
             }
-            Effect::Forces => {
-                for ImplicitDamping { entry, armature, force } in dampings {
+            Effect::Forces(dampings) => {
+                for &ImplicitDamping { entry, armature, force } in dampings {
                     workspace.added_armature[entry] = Some(armature);
                     tau[entry] = tau[entry] + force;
                 }

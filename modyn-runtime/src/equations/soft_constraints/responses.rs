@@ -42,8 +42,8 @@ impl<S: Scalar> Laws<S> {
 pub(super) enum Effect<'a, S> {
     /// Forces, and the stiffness of these laws as added inertia.
     Stiff(&'a Laws<S>),
-    /// Forces. The damping of joints acts with the velocities after the step.
-    Forces,
+    /// Forces, and dampings that act with the velocities after the step.
+    Forces(&'a [ImplicitDamping<S>]),
 }
 
 /// A damping that acts with the velocity after a step.
