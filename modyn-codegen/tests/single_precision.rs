@@ -144,7 +144,7 @@ fn a_robot_that_single_precision_does_not_carry_is_warned_of() {
 
 /// Returns the result of a step, whose arguments are q, qd, tau, dt, the accelerations to start from and the
 /// settings.
-fn step<S: Scalar>(robot: &mut Interpreter<S>, given: &[Vec<f64>]) -> Vec<f64>
+pub fn step<S: Scalar>(robot: &mut Interpreter<S>, given: &[Vec<f64>]) -> Vec<f64>
 where
     f64: From<S>,
 {

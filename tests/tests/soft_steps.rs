@@ -176,17 +176,18 @@ fn mobilities_are_those_of_mujoco() {
     for file in list(&data()) {
         let mut interpreter = Interpreter::<f64>::new(robot(file));
         let expected = soft_model(file, Cone::Elliptic, &mut interpreter);
-        let found = SoftModel::of(interpreter.model());
+        let computed = SoftModel::of(interpreter.model());
         let contacts = |model: &SoftModel<f64>| -> Vec<f64> {
             model.contacts.iter().map(|contact| contact.mobility).collect()
         };
         let joints = |model: &SoftModel<f64>| -> Vec<f64> {
             model.joints.iter().flatten().map(|joint| joint.mobility).collect()
         };
-        let pairs = [(contacts(&expected), contacts(&found)), (joints(&expected), joints(&found))];
-        for (expected, found) in pairs {
-            assert_eq!(expected.len(), found.len());
-            for (a, b) in expected.iter().zip(&found) {
+        for mobilities in [contacts, joints] {
+            let theirs = mobilities(&expected);
+            let ours = mobilities(&computed);
+            assert_eq!(theirs.len(), ours.len());
+            for (a, b) in theirs.iter().zip(&ours) {
                 assert!((a - b).abs() <= 1e-9 * a, "{}: {a} {b}", file["robot"]);
             }
         }
@@ -242,21 +243,26 @@ fn steps_on_a_floor_are_those_of_mujoco() {
     }
 }
 
+/// Returns a shape of one of the six kinds, with random sizes; points have this number.
+fn random_shape(kind: usize, points: usize, random: &mut Random) -> ContactShape<f64> {
+    let mut size = || random.between(0.05, 0.2);
+    match kind % 6 {
+        0 => ContactShape::Point,
+        1 => ContactShape::Segment(size()),
+        2 => ContactShape::Cuboid([size(), size(), size()]),
+        3 => ContactShape::Cylinder([size(), size()]),
+        4 => ContactShape::Ellipsoid([size(), size(), size()]),
+        _ => ContactShape::Points((0..points).map(|_| [size(), -size(), size()]).collect()),
+    }
+}
+
 /// Returns a random mechanism with shapes of all kinds, cones of both kinds, and contacts of all components.
 fn shaped(seed: u64) -> Model {
     let model = general_zoo(seed, 1 + seed as usize % 4);
     let moving = (0..model.frames().len()).filter(|&frame| model.frames()[frame].link.is_some());
     let mut random = Random::new(seed);
     let shapes = moving.take(4).enumerate().map(|(k, frame)| {
-        let mut size = || random.between(0.05, 0.3);
-        let shape = match (seed as usize + k) % 6 {
-            0 => ContactShape::Point,
-            1 => ContactShape::Segment(size()),
-            2 => ContactShape::Cuboid([size(), size(), size()]),
-            3 => ContactShape::Cylinder([size(), size()]),
-            4 => ContactShape::Ellipsoid([size(), size(), size()]),
-            _ => ContactShape::Points((0..5).map(|_| [size(), -size(), size()]).collect()),
-        };
+        let shape = random_shape(seed as usize + k, 5, &mut random);
         let translation = [0.0; 3].map(|_| random.between(-0.1, 0.1));
         TouchingShape {
             name: format!("shape{frame}"),
@@ -443,15 +449,7 @@ fn shapes_on_vectors_compute_the_steps_of_the_interpreter() {
         let bare = robot(file).with_contacts(Vec::new()).expect("no contacts");
         let mut random = Random::new(kind);
         let mut shape = |name: String, frame: usize| {
-            let mut size = || random.between(0.05, 0.2);
-            let shape = match kind % 6 {
-                0 => ContactShape::Point,
-                1 => ContactShape::Segment(size()),
-                2 => ContactShape::Cuboid([size(), size(), size()]),
-                3 => ContactShape::Cylinder([size(), size()]),
-                4 => ContactShape::Ellipsoid([size(), size(), size()]),
-                _ => ContactShape::Points((0..3).map(|_| [size(), -size(), size()]).collect()),
-            };
+            let shape = random_shape(kind as usize, 3, &mut random);
             let pose = Pose { rotation: random.any_rotation(), translation: [0.0; 3] };
             TouchingShape {
                 name,

@@ -240,6 +240,17 @@ fn far_too_long_functions_are_refused_before_they_are_traced() {
     }
 }
 
+/// A step far beyond the limit has parts without inputs, since operations beyond it are one of their operands.
+#[test]
+fn steps_beyond_the_limit_are_refused() {
+    let builder = Builder::new().urdf_text(chain(7), "chain.urdf");
+    for (count, is_expected) in [(2, true), (1500, false), (3000, false)] {
+        let builder = builder.clone().contacts(points((0..count).map(|_| "3".into())));
+        let (_, is_made) = traced(&builder, Function::Step);
+        assert_eq!(is_made, is_expected, "{count} contacts");
+    }
+}
+
 /// A function a little beyond the limit is traced to the limit, and not by columns in lanes as
 /// well.
 #[test]

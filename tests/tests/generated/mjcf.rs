@@ -3,8 +3,9 @@
 use modyn::EmbeddedModel;
 use modyn_codegen::{ReadOptions, read};
 use modyn_runtime::equations::derivatives::ForwardDerivatives;
-use modyn_runtime::equations::soft_constraints::StepInput;
-use modyn_runtime::{ContactSurface, Interpreter, StepSettings, StepSolutionOutputs};
+use modyn_runtime::quantities::Function;
+use modyn_runtime::{ContactSurface, Interpreter, StepSettings};
+use modyn_tests::arguments::interpreted;
 
 modyn::modyn!(Arm = "../../../modyn-read/tests/mjcf/arm.xml", friction = viscous);
 
@@ -38,32 +39,18 @@ fn shapes_on_a_floor_are_generated() {
         [0.7, 1.9].map(|k| core::array::from_fn(|i| (k * i as f64 + k).cos()));
     let zeros = [0.0; Standing::NV];
     let step = Standing::step(&q, &qd, &tau, 0.002, &zeros, &settings);
-    let mut next_q = [0.0; Standing::NQ];
-    let mut next_qd = [0.0; Standing::NV];
-    let mut qdd = zeros;
-    let mut forces = [0.0; 30];
-    let [mut residual, mut iterations] = [0.0; 2];
-    let outputs = StepSolutionOutputs {
-        q: &mut next_q,
-        qd: &mut next_qd,
-        qdd: &mut qdd,
-        forces: &mut forces,
-        residual: &mut residual,
-        iterations: &mut iterations,
-    };
-    let input = StepInput { q: &q, qd: &qd, tau: &tau, warm_start: &zeros, dt: 0.002 };
-    interpreter.step(input, &settings, outputs).expect("lengths");
+    let forces: Vec<f64> = step.forces.iter().flat_map(|force| force.0).collect();
     assert!(step.forces.len() == 10 && forces.iter().filter(|force| **force != 0.0).count() > 6);
-    let generated_forces: Vec<f64> = step.forces.iter().flat_map(|force| force.0).collect();
-    let pairs = [
-        (&step.q[..], &next_q[..]),
-        (&step.qd, &next_qd),
-        (&step.qdd, &qdd),
-        (&generated_forces, &forces),
-    ];
-    for (generated, interpreted) in pairs {
-        let size = interpreted.iter().fold(1.0_f64, |most, x| most.max(x.abs()));
-        for (a, b) in generated.iter().zip(interpreted) {
+    let surfaces = settings.contacts.iter().flat_map(ContactSurface::numbers);
+    let settings = settings.numbers().into_iter().chain(surfaces).collect();
+    let given = [q.to_vec(), qd.to_vec(), tau.to_vec(), vec![0.002], zeros.to_vec(), settings];
+    let expected = interpreted(&mut interpreter, Function::Step, &given);
+    let mut rest = &expected[..];
+    for generated in [&step.q[..], &step.qd, &step.qdd, &forces] {
+        let (expected, others) = rest.split_at(generated.len());
+        rest = others;
+        let size = expected.iter().fold(1.0_f64, |most, x| most.max(x.abs()));
+        for (a, b) in generated.iter().zip(expected) {
             assert!((a - b).abs() <= 1e-9 * size, "{a} is not {b}");
         }
     }
