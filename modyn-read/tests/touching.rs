@@ -53,7 +53,7 @@ fn geoms_have_their_shapes() {
     assert!(corners.iter().flatten().all(|x| x.abs() == 1.0));
 }
 
-/// A hull with more corners keeps the ones that are farthest from each other.
+/// A hull with more corners keeps 16 corners, far from each other.
 #[test]
 fn hulls_have_a_largest_number_of_corners() {
     let ring = |height: f64| {

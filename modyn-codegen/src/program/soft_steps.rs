@@ -1,5 +1,5 @@
-//! A step with soft constraints as a program: what runs once, then the iterations of a solver as
-//! loops.
+//! A step with soft constraints as a program: statements that run once, and the iterations of a
+//! solver as loops.
 //!
 //! ```text
 //! statements                what no iteration changes
@@ -315,9 +315,9 @@ fn to(array: usize, count: usize) -> impl Iterator<Item = Write> {
 }
 
 impl Program {
-    /// Returns the program of a step over `arguments` scalars. The results are those of the
-    /// step's results, then the residual and the number of iterations. `pass` rewrites the graph of
-    /// each routine.
+    /// Returns the program of a step over `arguments` scalars. The results are the outputs of
+    /// [`StepGraph::results`], the residual, and the number of iterations. `pass` rewrites the graph
+    /// of each routine.
     ///
     /// # Errors
     ///

@@ -917,11 +917,11 @@ class Robot:
         self, q: ArrayLike, qd: ArrayLike, tau: ArrayLike, dt: ArrayLike, warm_start: ArrayLike | None = None, settings: StepSettings | ArrayLike | None = None, *, out: StepSolution | None = None
     ) -> StepSolution:
         """Returns the state after a step of the time `dt` (s) under the joint forces `tau`, with
-        contacts, joint limits and dry joint friction by MuJoCo's law: soft constraints whose forces
-        minimize a convex function. The solver is Newton's method, to the tolerance of `settings`;
-        `residual` says how far it came, relative to the largest force. It starts from the
-        accelerations `warm_start`: `qdd` of the last step, or zeros. The integrator is
-        semi-implicit Euler, implicit in joint damping. Closed loops are not closed.
+        contacts, joint limits, dry joint friction and closed loops by MuJoCo's law: soft
+        constraints whose forces minimize a convex function. The solver is Newton's method, to the
+        tolerance of `settings`; `residual` says how far it came, relative to the largest force. It
+        starts from the accelerations `warm_start`: `qdd` of the last step, or zeros. The integrator
+        is semi-implicit Euler, implicit in joint damping.
 
         Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number; `warm_start`: (nv,), by
         default zeros; `settings`: `StepSettings`, by default the result of `step_settings()`.

@@ -140,7 +140,7 @@ impl Mobilities {
 impl SoftModel<f64> {
     /// Returns what a robot's soft constraints have beside the settings of a step: the joint limits
     /// of the description, its dry joint friction if friction is enabled, and mobilities at the
-    /// neutral configuration, where MuJoCo has those of its reference configuration.
+    /// neutral configuration. (MuJoCo computes its mobilities at the reference configuration.)
     #[must_use]
     pub fn of(model: &Model) -> Self {
         let mechanism = Mechanism::<f64>::new(model);
@@ -172,11 +172,11 @@ impl SoftModel<f64> {
         let stops = model.soft_constraints().joint_limits;
         let mut joints = vec![None; model.nv()];
         for i in 0..model.links().len() {
-            let (coordinates, velocities) = (model.q_range(i), model.v_range(i));
+            let coordinates = model.q_range(i);
             if coordinates.len() != 1 || model.mimic(i).is_some() {
                 continue;
             }
-            let dof = velocities.start;
+            let dof = model.v_range(i).start;
             let mut unit = vec![Portable(0.0); model.nv()];
             unit[dof] = Portable(1.0);
             // Mimic joints stop and brake their leader.

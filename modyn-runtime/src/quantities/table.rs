@@ -525,14 +525,14 @@ macro_rules! quantities {
 
             Step step / step_with(q, qd, tau, dt, warm_start, step_settings) -> step_solution, [solver inertia],
              "Returns the state after a step of the time `dt` (s) under the joint forces `tau`, \
-              with contacts, joint limits and\n\
-             dry joint friction by MuJoCo's law: soft constraints whose forces minimize a convex \
+              with contacts, joint limits, dry\n\
+             joint friction and closed loops by MuJoCo's law: soft constraints whose forces minimize a convex \
              function. The solver is Newton's\n\
              method, to the tolerance of `step_settings`; `residual` says how far it came, \
              relative to the largest force. It\n\
              starts from the accelerations `warm_start`: `qdd` of the last step, or zeros. The \
              integrator is semi-implicit Euler,\n\
-             implicit in joint damping. Closed loops are not closed.",
+             implicit in joint damping.",
              "`{Self}` has no function `step`"
              => |robot, [next, after, qdd, forces, residual, iterations]| {
                         let outputs = StepSolutionOutputs {

@@ -129,7 +129,8 @@ fn soft_constraints(model: &Model) -> String {
          ContactComponents, ContactShape, Impedance, JointSoftness, LoopSoftness, \
          SoftConstraints, Softness, TouchingShape}};\n            \
          model.with_soft_constraints(SoftConstraints {{ cone: Cone::{:?}, impratio: {:?}, \
-         shapes: {shapes}.into(), joints: {joints}.into(), loops: {loops}.into(), joint_limits: {}, joint_friction: {} }})\n        }})\n        ",
+         shapes: {shapes}.into(), joints: {joints}.into(), loops: {loops}.into(), \
+         joint_limits: {}, joint_friction: {} }})\n        }})\n        ",
         soft.cone, soft.impratio, soft.joint_limits, soft.joint_friction
     )
 }

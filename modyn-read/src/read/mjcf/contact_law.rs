@@ -150,7 +150,8 @@ impl Pair {
         is(first, a) && is(second, b) || is(first, b) && is(second, a)
     }
 
-    /// Returns the contact of the pair: what it does not say follows from the laws of its geoms.
+    /// Returns the contact of the pair. A parameter that the pair lacks is mixed from the laws of its
+    /// geoms.
     pub fn contact(&self, [a, b]: [&Law; 2]) -> Contact {
         let mixed = a.mixed(b);
         let [sliding, spin, roll] = mixed.friction;
