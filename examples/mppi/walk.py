@@ -52,8 +52,8 @@ def trot(times):
 class Controller:
     """MPPI of offsets to a trot."""
 
-    def __init__(self, robot, ground):
-        self.robot, self.ground = robot, ground
+    def __init__(self, robot, on_ground):
+        self.robot, self.on_ground = robot, on_ground
         self.rng = np.random.default_rng(0)
         self.offsets = np.zeros((KNOTS, 12))
         self.gains = np.zeros((robot.nv, 2 * robot.nv))
@@ -67,7 +67,7 @@ class Controller:
         noise[0] = 0
         offsets = self.offsets + noise
         motion = self.robot.rollout(
-            *state, np.zeros((STEPS, 18)), DT, step="ground", ground=self.ground, gains=self.gains, qd_ref=np.zeros(18),
+            *state, np.zeros((STEPS, 18)), DT, **self.on_ground, gains=self.gains, qd_ref=np.zeros(18),
             q_ref=self.references(offsets, now + DT * np.arange(1, STEPS + 1)),
         )
         self.steps += SAMPLES * STEPS
@@ -105,8 +105,10 @@ class Controller:
 def walk(seconds, watch=lambda motion: None):
     """Walks for a time; returns the last coordinates and velocities. `watch` gets each part of the motion, in steps of FINE."""
     robot = modyn.load(ROBOT, base="floating", contacts={foot: ("point", foot, [0, 0, 0]) for foot in FEET})
-    ground = modyn.Ground(heights=stairs(), tolerance=1e-6)
-    controller = Controller(robot, ground)
+    settings = robot.step_settings()
+    settings.tolerance = 1e-6
+    on_ground = {"step": "step", "settings": settings, "ground": stairs()}
+    controller = Controller(robot, on_ground)
     q = robot.neutral()
     q[7:] = trot(np.zeros(1))[0]
     q[2] -= min(robot.link_pose(q, foot).translation[2] for foot in FEET)
@@ -120,8 +122,7 @@ def walk(seconds, watch=lambda motion: None):
         references = controller.references(controller.offsets, now + DT * np.arange(1, STEPS + 1))
         own = np.stack([np.interp(times, now + DT * np.arange(1, STEPS + 1), angle) for angle in references.T], -1)
         last = robot.rollout(
-            *state, np.zeros((len(times), 18)), FINE, step="ground", ground=ground, gains=controller.gains, q_ref=own,
-            qd_ref=np.zeros(18),
+            *state, np.zeros((len(times), 18)), FINE, **on_ground, gains=controller.gains, q_ref=own, qd_ref=np.zeros(18),
         )
         watch(last)
         state = last.q[-1], last.qd[-1]

@@ -53,8 +53,6 @@ pub struct Robot {
     parameters: Parameters,
     /// The keys of functions of arrays that are compiled.
     array_keys: Mutex<Vec<(EntryFunction, i64)>>,
-    /// The keys of steps on the ground that are compiled.
-    ground_keys: Mutex<Vec<(GroundKey, i64)>>,
 }
 
 /// The place of a function, which is compiled at its first use.
@@ -62,9 +60,6 @@ type Slot = OnceLock<Box<dyn RobotFunction>>;
 
 /// A run-time parameter: the option, the link and the numbers.
 pub type RunTimeParameter<'a> = (&'static str, Option<&'a str>, Vec<f64>);
-
-/// The key of a step on the ground: its contact problem, and the numbers of its options.
-pub type GroundKey = (EntryFunction, [u64; 5]);
 
 /// The text of a description, the file's name, and the folder of files that the text names.
 pub type Source = (String, String, Option<PathBuf>);
@@ -125,7 +120,6 @@ impl Robot {
             changes: Mutex::default(),
             parameters,
             array_keys: Mutex::default(),
-            ground_keys: Mutex::default(),
             modules,
             model,
         })
@@ -367,20 +361,14 @@ impl Robot {
         function: &EntryFunction,
         code: impl FnOnce() -> PyResult<i64>,
     ) -> PyResult<i64> {
-        known(&self.array_keys, function.clone(), code)
-    }
-
-    /// Returns the key of a step on the ground, which is compiled by `code` at its first use.
-    ///
-    /// # Errors
-    ///
-    /// Those of `code`.
-    pub fn ground_key(
-        &self,
-        step: GroundKey,
-        code: impl FnOnce() -> PyResult<i64>,
-    ) -> PyResult<i64> {
-        known(&self.ground_keys, step, code)
+        let keys = || self.array_keys.lock().unwrap_or_else(PoisonError::into_inner);
+        let known = keys().iter().find(|(other, _)| other == function).map(|(_, key)| *key);
+        if let Some(key) = known {
+            return Ok(key);
+        }
+        let key = code()?;
+        keys().push((function.clone(), key));
+        Ok(key)
     }
 
     /// Returns the bundles.
@@ -405,22 +393,6 @@ impl Robot {
         let independent = links.filter(|(_, link)| link.joint.mimic.is_none());
         independent.flat_map(|(i, link)| vec![number(i, link); count(link)]).collect()
     }
-}
-
-/// Returns the key of code that is known, or what `code` returns.
-fn known<K: PartialEq>(
-    keys: &Mutex<Vec<(K, i64)>>,
-    own_key: K,
-    code: impl FnOnce() -> PyResult<i64>,
-) -> PyResult<i64> {
-    let keys = || keys.lock().unwrap_or_else(PoisonError::into_inner);
-    let known = keys().iter().find(|(other, _)| *other == own_key).map(|(_, key)| *key);
-    if let Some(key) = known {
-        return Ok(key);
-    }
-    let key = code()?;
-    keys().push((own_key, key));
-    Ok(key)
 }
 
 /// Returns the argument `name` of `function` as a vector.

@@ -149,43 +149,6 @@ def test_keyframes_are_mujocos():
     assert single.keyframe("home").dtype == np.float32
 
 
-def test_compliant_contacts():
-    """Contacts on a slope without friction: the accelerations of steps on the ground are MuJoCo's."""
-    places = {"trunk": (0.3, 0.2, -0.1), "hand": (0.1, -0.2, 0.1), "foot": (-0.1, 0.2, -0.3)}
-    tree = ElementTree.fromstring(WALKER)
-    law = {"contype": "0", "condim": "1", "solref": "0.03 0.7", "solimp": "0.85 0.85 0.001"}
-    for name, place in places.items():
-        body = tree.find(f".//body[@name='{name}']")
-        ElementTree.SubElement(body, "geom", law, size="0.05", pos=" ".join(map(str, place)), conaffinity="1", mass="0")
-    slope = {"type": "plane", "size": "9 9 1", "pos": "0.1 -0.2 0.2", "quat": "0.96 0.2 -0.1 0.15"}
-    ElementTree.SubElement(tree.find("worldbody"), "geom", law | slope | {"contype": "1"}, conaffinity="0")
-    model = mujoco.MjModel.from_xml_string(ElementTree.tostring(tree, encoding="unicode"))
-    model.opt.timestep, model.opt.tolerance = 0.002, 1e-14
-    data = mujoco.MjData(model)
-
-    robot = modyn.loads(WALKER, file="walker.xml", contacts={name: ("point", name, place) for name, place in places.items()})
-    theirs = modyn.conventions.MuJoCo(robot, model)
-    mujoco.mj_forward(model, data)
-    # The centre of a sphere touches a plane that is higher by the radius.
-    rotation = data.geom_xmat[0].reshape(3, 3)
-    plane = modyn.ContactTarget(rotation, data.geom_xpos[0] + 0.05 * rotation[:, 2], friction=0)
-    weights = [model.body(name).invweight0[0] for name in places]
-    settings = modyn.ConstraintSettings([plane.compliant(0.03, 0.7, 0.85, weight) for weight in weights])
-
-    q, qd, _, tau = states(robot, 40, seed=5)
-    # MuJoCo's linear velocity is in world axes, so a step has other velocities if the base turns.
-    qd[:, robot.joints[0].v][:, :3] = 0
-    found = robot.step_on_ground(q, qd, tau, 0.002, settings, ground=modyn.Ground(tolerance=1e-12))
-    touching = set()
-    for i in range(len(q)):
-        data.qpos[:], data.qvel[:] = theirs.to_qpos(q[i]), theirs.to_qvel(q[i], qd[i])
-        data.qfrc_applied[:], data.qacc_warmstart[:] = theirs.to_qfrc(q[i], tau[i]), 0
-        mujoco.mj_forward(model, data)
-        close((found.qd[i] - qd[i]) / 0.002, theirs.from_qacc(q[i], qd[i], data.qacc), 1e-7)
-        touching.add(data.ncon)
-    assert touching == {0, 1, 2, 3}
-
-
 def test_schema():
     """The compiler's table of MJCF is tested with the schema of this MuJoCo."""
     folder = ROOT / "modyn-read" / "tests" / "mjcf"

@@ -236,15 +236,15 @@ def long_calls():
     n, still = robot.nv, np.zeros(robot.nv)
     q, many = robot.neutral(), np.tile(robot.neutral(), (60_000, 1))
     controls, weights = np.zeros((200_000, n)), (np.zeros((200_000, robot.nq)), np.zeros((200_000, n)))
-    few = np.zeros((30, 10_000, n))
+    few = np.zeros((60, 20_000, n))
     return {
-        "a motion on the ground": lambda: robot.rollout(q, still, controls, 1e-3, step="ground", trajectory=False),
+        "a motion on the ground": lambda: robot.rollout(q, still, controls, 1e-3, step="step", trajectory=False),
         "a free motion": lambda: robot.rollout(q, still, np.zeros((3_000_000, n)), 1e-3, trajectory=False),
         "the gradient of a motion": lambda: robot.rollout_vjp(q, still, controls, 1e-3, *weights),
-        "many motions": lambda: robot.rollout(q, still, few, 1e-3, step="ground", trajectory=False),
+        "many motions": lambda: robot.rollout(q, still, few, 1e-3, step="step", trajectory=False),
         "a batch": lambda: robot.step_implicit_midpoint(np.tile(many, (8, 1)), still, still, 1e-3),
         "a batch that is evaluated": lambda: evaluated.step_implicit_midpoint(many, still, still, 1e-3),
-        "steps on the ground": lambda: robot.step_on_ground_derivatives(many, still, still, 1e-3),
+        "steps on the ground": lambda: robot.step_derivatives(many, still, still, 1e-3),
     }
 
 

@@ -5,7 +5,7 @@ import pytest
 from conftest import ROBOTS, chain, signatures, states
 
 import modyn
-from modyn import ConstraintSettings, ContactTarget, Ground, HeightField
+from modyn import ConstraintSettings, ContactSurface, ContactTarget, HeightField, StepSettings
 
 DT = 0.002
 CONTACTS = {"hand": ("point", "link2", [0.1, -0.2, 0.15]), "foot": ("point", "link4", [0, 0.2, 0.1])}
@@ -49,8 +49,6 @@ BAD = [
 def doors(robot):
     """Returns a call of each function with settings."""
     q, qd, tau = state(robot)
-    zeros, controls = np.zeros(robot.nv), np.zeros((3, robot.nv))
-    weights = np.zeros((3, robot.nq)), np.zeros((3, robot.nv))
     functions = {
         "constrained_forward_dynamics": (q, qd, tau),
         "constrained_forward_dynamics_derivatives": (q, qd, tau),
@@ -58,15 +56,10 @@ def doors(robot):
         "contact_impulse": (q, qd),
         "contact_problem": (q, qd, tau, DT),
         "contact_step": (q, qd, tau, DT, np.zeros((2, 3))),
-        "step_on_ground": (q, qd, tau, DT),
-        "step_on_ground_derivatives": (q, qd, tau, DT),
     }
     call = lambda name, arguments: lambda settings: getattr(robot, name)(*arguments, settings=settings)
     found = {name: call(name, arguments) for name, arguments in functions.items()}
     found["many states"] = lambda settings: robot.contact_problem(np.stack([q, q]), qd, tau, DT, settings=settings)
-    found["rollout"] = lambda settings: robot.rollout(q, qd, controls, DT, step="ground", settings=settings)
-    found["rollout_vjp"] = lambda settings: robot.rollout_vjp(q, qd, controls, DT, *weights, step="ground", settings=settings)
-    found["simulate"] = lambda settings: robot.simulate(lambda *_: zeros, q, qd, DT, 2, settings)
     return found
 
 
@@ -94,52 +87,74 @@ def test_the_state_of_a_wrong_number_is_named(robot):
     settings = np.tile(np.asarray(ConstraintSettings([ContactTarget()] * 2)), (5, 1))
     settings[3, -1] = -0.5
     with pytest.raises(ValueError, match=r"`friction` of `settings.contacts\[1\]` is -0.5.*\(in state 3\)"):
-        robot.step_on_ground(q, qd, tau, DT, settings)
+        robot.contact_problem(q, qd, tau, DT, settings)
+
+
+def steps(robot):
+    """Returns a call of each function with settings of steps."""
+    q, qd, tau = state(robot)
+    zeros, controls = np.zeros(robot.nv), np.zeros((3, robot.nv))
+    weights = np.zeros((3, robot.nq)), np.zeros((3, robot.nv))
+    return {
+        "step": lambda settings=None, dt=DT: robot.step(q, qd, tau, dt, settings=settings),
+        "many states": lambda settings=None, dt=DT: robot.step(np.stack([q, q]), qd, tau, dt, settings=settings),
+        "step_derivatives": lambda settings=None, dt=DT: robot.step_derivatives(q, qd, tau, dt, settings=settings),
+        "rollout": lambda settings=None, dt=DT: robot.rollout(q, qd, controls, dt, step="step", settings=settings),
+        "rollout_vjp": lambda settings=None, dt=DT: robot.rollout_vjp(q, qd, controls, dt, *weights, step="step", settings=settings),
+        "simulate": lambda settings=None, dt=DT: robot.simulate(lambda *_: zeros, q, qd, dt, 2, settings),
+    }
+
+
+@pytest.mark.parametrize(
+    "name, value, expected",
+    [
+        ("friction", np.nan, "not negative"),
+        ("friction", -0.8, "not negative"),
+        ("radius", -0.1, "not negative"),
+        ("margin", np.inf, "a finite number"),
+        ("translation", (0.0, np.nan, 0.0), "a finite number"),
+        ("rotation", np.diag([1.0, 1.0, -1.0]), "is no rotation"),
+    ],
+)
+def test_settings_of_steps_out_of_range_are_named(robot, name, value, expected):
+    settings = StepSettings([ContactSurface(), ContactSurface(**{name: value})])
+    for call in steps(robot).values():
+        call(StepSettings([ContactSurface()] * 2))
+        with pytest.raises(ValueError, match=rf"`{name}` of `settings.contacts\[1\]`.*{expected}"):
+            call(settings)
 
 
 @pytest.mark.parametrize("dt", [0.0, -0.001, np.nan, np.inf])
 def test_time_steps_on_the_ground_are_above_zero(robot, dt):
-    q, qd, tau = state(robot)
-    calls = [
-        lambda: robot.step_on_ground(q, qd, tau, dt),
-        lambda: robot.step_on_ground_derivatives(q, qd, tau, dt),
-        lambda: robot.contact_step(q, qd, tau, dt, np.zeros((2, 3))),
-        lambda: robot.rollout(q, qd, np.zeros((3, robot.nv)), dt, step="ground"),
-        lambda: robot.simulate(lambda *_: tau, q, qd, dt, 2),
-    ]
-    for call in calls:
+    for call in steps(robot).values():
         with pytest.raises(ValueError, match="`dt` is .*; expected a finite number above 0"):
-            call()
+            call(dt=dt)
 
 
 @pytest.mark.parametrize(
     "ground, message",
     [
-        (Ground(tolerance=0.0), "`tolerance` of `Ground` is 0; expected a finite number above 0"),
-        (Ground(tolerance=np.nan), "`tolerance` of `Ground` is NaN"),
-        (Ground(newton_steps=10**9), "`newton_steps` of `Ground` is 1000000000; the most is 10000"),
-        (Ground(sweeps=10**9), "`sweeps` of `Ground` is 1000000000; the most is 10000"),
-        (Ground(heights=HeightField([[0, 0, 0], [0, 0, np.nan]])), r"`heights`\[1, 2\] of the height field is NaN"),
-        (Ground(heights=HeightField([[0, np.inf], [0, 0]])), r"`heights`\[0, 1\] of the height field is inf"),
-        (Ground(heights=HeightField(np.zeros((2, 2)), spacing=(1.0, 0.0))), "`spacing` of the height field is 0"),
-        (Ground(heights=HeightField(np.zeros((2, 2)), spacing=(np.nan, 1.0))), "`spacing` of the height field is NaN"),
-        (Ground(heights=HeightField(np.zeros((2, 2)), origin=(np.inf, 0.0))), "`origin` of the height field is inf"),
-        (Ground(heights=HeightField(np.zeros((1, 2)))), "`heights` of the height field has 2 values"),
+        (HeightField([[0, 0, 0], [0, 0, np.nan]]), r"`heights`\[1, 2\] of the height field is NaN"),
+        (HeightField([[0, np.inf], [0, 0]]), r"`heights`\[0, 1\] of the height field is inf"),
+        (HeightField(np.zeros((2, 2)), spacing=(1.0, 0.0)), "`spacing` of the height field is 0"),
+        (HeightField(np.zeros((2, 2)), spacing=(np.nan, 1.0)), "`spacing` of the height field is NaN"),
+        (HeightField(np.zeros((2, 2)), origin=(np.inf, 0.0)), "`origin` of the height field is inf"),
+        (HeightField(np.zeros((1, 2))), "`heights` of the height field has 2 values"),
     ],
 )
-def test_options_of_the_ground_are_named(robot, ground, message):
+def test_height_fields_are_checked(robot, ground, message):
     q, qd, tau = state(robot)
     with pytest.raises(ValueError, match=message):
-        robot.step_on_ground(q, qd, tau, DT, ground=ground)
+        robot.simulate(lambda *_: tau, q, qd, DT, 2, ground=ground)
     with pytest.raises(ValueError, match=message):
-        robot.rollout(q, qd, np.zeros((3, robot.nv)), DT, step="ground", ground=ground)
+        robot.rollout(q, qd, np.zeros((3, robot.nv)), DT, step="step", ground=ground)
 
 
 def test_heights_are_checked_in_the_scalar():
     robot = tree(scalar="f32")
     q, qd, tau = state(robot)
     with pytest.raises(ValueError, match=r"`heights`\[0, 0\] of the height field is inf"):
-        robot.step_on_ground(q, qd, tau, DT, ground=Ground(heights=HeightField(np.full((2, 2), 1e300))))
+        robot.rollout(q, qd, np.zeros((3, robot.nv)), DT, step="step", ground=HeightField(np.full((2, 2), 1e300)))
 
 
 def test_jax_checks_settings(robot):
@@ -148,13 +163,13 @@ def test_jax_checks_settings(robot):
     import modyn.jax
 
     q, qd, tau = state(robot)
-    good = np.asarray(ConstraintSettings([ContactTarget()] * 2))
-    bad = np.asarray(ConstraintSettings([ContactTarget(), ContactTarget(friction=-0.1)]))
-    problem = modyn.jax.function(robot, "contact_problem")
-    rollout = modyn.jax.rollout(robot, step="ground")
+    good = np.asarray(StepSettings([ContactSurface()] * 2))
+    bad = np.asarray(StepSettings([ContactSurface(), ContactSurface(friction=-0.1)]))
+    step = modyn.jax.function(robot, "step")
+    rollout = modyn.jax.rollout(robot, step="step")
     controls = np.zeros((3, robot.nv))
     for call in (
-        lambda settings: problem(q, qd, tau, DT, settings),
+        lambda settings: step(q, qd, tau, DT, settings=settings),
         jax.jit(lambda settings: rollout(q, qd, controls, DT, settings=settings).q),
         jax.grad(lambda settings: rollout(q, qd, controls, DT, settings=settings).q.sum()),
     ):
@@ -226,14 +241,16 @@ def test_nan_reaches_the_results_of_every_function(machine_code):
     assert all(found.values()), found
 
 
-def test_nan_in_a_state_reaches_the_state_after_a_step_on_the_ground(robot):
+def test_nan_in_a_state_reaches_the_state_after_steps_on_the_ground(robot):
     q, qd, tau = state(robot)
     q[2] -= 1.0
-    assert (robot.step_on_ground(q, qd, tau, DT).contact_impulses != 0).any()
+    field = HeightField(np.zeros((2, 2)))
+    move = lambda n, ground: robot.rollout(np.tile(q, (n, 1)), qd, np.stack([tau] * 2), DT, step="step", trajectory=False, ground=ground)
+    assert (move(1, None).forces != 0).any()
     for x in (q, qd, tau):
-        for n in (1, 9):
+        for n, ground in ((1, None), (9, field)):
             for k in range(len(x)):
                 before, x[k] = x[k], np.nan
-                after = robot.step_on_ground(np.tile(q, (n, 1)), qd, tau, DT)
-                assert np.isnan(after.qd).any(-1).all() and np.isnan(after.residual).any(-1).all(), k
+                after = move(n, ground)
+                assert np.isnan(after.qd).any(-1).all() and np.isnan(after.residual).all(), k
                 x[k] = before

@@ -47,7 +47,7 @@ ROBOTS = {
 GROUND = "quadruped on four feet"
 FEET = ["front_left", "front_right", "hind_left", "hind_right"]
 FUNCTIONS = ["forward_dynamics", "forward_dynamics_derivatives", "rollout_semi_implicit"]
-ORDER = [*((robot, function) for robot in ROBOTS for function in FUNCTIONS), (GROUND, "rollout_on_ground")]
+ORDER = [*((robot, function) for robot in ROBOTS for function in FUNCTIONS), (GROUND, "rollout")]
 # The numbers of GRiD's kernels in grid.cu, and numbers of threads.
 GRID = {"forward_dynamics": {0: "forward_dynamics", 1: "aba"}, "forward_dynamics_derivatives": {2: "forward_dynamics_gradient"}}
 THREADS, TIERS = [32, 64, 96, 128, 192, 256, 384, 512, 768], [0, 1, 2]
@@ -131,8 +131,8 @@ def measure_modyn(scalar, selected):
     wait = cupy.cuda.get_current_stream().synchronize
     columns = lambda x: cupy.asarray(np.ascontiguousarray(x.T, dtype))
     rows = {}
-    if selected(GROUND, "rollout_on_ground"):
-        rows[GROUND, "rollout_on_ground"] = measure_ground(dtype, scalar, wait)
+    if selected(GROUND, "rollout"):
+        rows[GROUND, "rollout"] = measure_ground(dtype, scalar, wait)
     for robot, (path, floating) in ROBOTS.items():
         prefix, base = Path(path).stem, ["--base", "floating"] if floating else []
         for function in filter(functools.partial(selected, robot), FUNCTIONS):
@@ -179,15 +179,15 @@ def measure_ground(dtype, scalar, wait):
     q[2] = -min(robot.link_pose(q, link=f"{foot}_foot").translation[2] for foot in FEET)
     tau = robot.constrained_inverse_dynamics(q, np.zeros(robot.nv), np.zeros(robot.nv)).tau
     tau[:6] = 0
-    settings = cupy.asarray(np.asarray(modyn.ConstraintSettings([modyn.ContactTarget()] * 4), dtype))
+    settings = cupy.asarray(np.asarray(robot.step_settings(), dtype))
     rng = np.random.default_rng(0)
     q = np.tile(q, (SIZES[-1], 1))
     q[:, 7:] += 0.02 * rng.normal(size=(len(q), 12))
     few = q[:COMPARED]
-    host = robot.rollout(few, 0 * few[:, 1:], np.tile(tau, (COMPARED, STEPS, 1)), DT, step="ground", trajectory=False)
+    host = robot.rollout(few, 0 * few[:, 1:], np.tile(tau, (COMPARED, STEPS, 1)), DT, step="step", trajectory=False)
     own = [x for foot in FEET for x in ("--contacts", f"{foot}: point({foot}_foot)")]
-    options = [path, "--base", "floating", "--friction", "none", *own, "--functions", "contact_step", "--rollout"]
-    run = kernel(options, scalar, "quadruped_rollout_on_ground")
+    options = [path, "--base", "floating", "--friction", "none", *own, "--functions", "step", "--rollout"]
+    run = kernel(options, scalar, "quadruped_rollout")
     times = []
     for n in SIZES:
         start = cupy.asarray(np.ascontiguousarray(q[:n].T, dtype))

@@ -14,6 +14,7 @@ use super::context::PlanContext;
 use super::functions::{CForm, GraphSource, Lowering};
 use super::packing;
 use super::planned::Planned;
+use super::programs::StepForm;
 use crate::graph::Graph;
 use crate::passes::{jvp, matrix, optimize, vjp};
 use crate::trace::{EntryForm, second_derivatives};
@@ -32,9 +33,9 @@ pub struct EntryFunction {
     /// The arrays that the result consists of: for each the places of its numbers among those of
     /// the function's result, in the order in which they are returned.
     pub results: Vec<Vec<usize>>,
-    /// Whether a function of a time step, or the contact problem of one, has a feedback: three more
-    /// arguments, `gains` (nv, 2 nv), `q_ref` and `qd_ref`. The forces are then `tau` + `gains`
-    /// (x_ref - x), with the difference of coordinates in tangent space, then that of velocities.
+    /// Whether a function of a time step has a feedback: three more arguments, `gains` (nv, 2 nv),
+    /// `q_ref` and `qd_ref`. The forces are then `tau` + `gains` (x_ref - x), with the difference of
+    /// coordinates in tangent space, then the difference of velocities.
     pub feedback: bool,
     /// Whether a function of a time step has a quadratic cost: a third array of the state, `cost`,
     /// and after the arguments of the step and of its feedback `q_goal`, `qd_goal`, `state_weights`
@@ -215,7 +216,10 @@ impl EntryFunction {
                 optimize(context.frames.of_link(*link, |t| context.evaluation(*function, t)))
             }
             None if *feedback || *cost => {
-                let step = packing::on_scalars(*function, context);
+                let step = match row.has_solver {
+                    true => context.refined_step(),
+                    false => packing::on_scalars(*function, context),
+                };
                 let difference = packing::on_scalars(Function::Difference, context);
                 let tracer = &context.tracer;
                 optimize(tracer.with_extras(*feedback, *cost, settings, &step, &difference))
@@ -309,7 +313,10 @@ impl Planned {
         let graph = packing::balanced(optimize(arrays.graph));
         let solves = function.function.row().has_solver && function.derivatives.is_empty();
         let (kernels, fault) = match solves {
-            true => (context.step(scalars, true), None),
+            true => {
+                let form = StepForm::Entries { feedback: function.feedback };
+                (context.step(scalars, form), None)
+            }
             false => context.kernels(&graph, packed, scalars),
         };
         let numbers = Argument { name: "arrays", kind: ArgumentKind::Numbers(scalars) };

@@ -90,7 +90,7 @@ impl Planned {
                 let graph = packing::balanced(optimize(context.all_links.link_poses()));
                 Kernels::of(context.program(&graph, scalars))
             }
-            GraphSource::Step => context.step(scalars, false),
+            GraphSource::Step => context.step(scalars, StepForm::Robot),
             GraphSource::Traced(_) | GraphSource::Evaluation => {
                 let rows = dense::of_constraints(function, context, scalars);
                 rows.unwrap_or_else(|| {
@@ -232,18 +232,25 @@ impl PlanContext<'_> {
         }
     }
 
-    /// Returns the programs of a step with soft constraints. With `plain`, quaternions are scaled
-    /// to length 1 first.
-    pub(super) fn step(&self, scalars: usize, plain: bool) -> Kernels {
+    /// Returns the programs of a step with soft constraints.
+    pub(super) fn step(&self, scalars: usize, form: StepForm) -> Kernels {
         let soft = SoftModel::of(self.model);
         let traced = |tracer: &Tracer<'_>, elimination: &Elimination| {
-            let step = tracer.step(elimination, &soft);
-            let inputs = step.results.inputs.end;
-            let graph = match plain {
-                true => self.tracer.with_unit_quaternions(&step.graph, &[0], inputs),
-                false => step.graph,
-            };
-            StepGraph { graph: optimize(graph), ..step }
+            let mut step = tracer.step(elimination, &soft);
+            if let StepForm::Entries { feedback } = form {
+                let mut coordinates = vec![0];
+                if feedback {
+                    let difference = packing::on_scalars(Function::Difference, self);
+                    step = self.tracer.step_with_feedback(step, &difference);
+                    // `q_ref` is before `qd_ref` and the parameters.
+                    let Sizes { nq, nv, .. } = self.sizes;
+                    let parameters = self.parameters(true);
+                    coordinates.push(step.arguments() - parameters - nv - nq);
+                }
+                let inputs = step.results.inputs.end;
+                step.graph = self.tracer.with_unit_quaternions(&step.graph, &coordinates, inputs);
+            }
+            StepGraph { graph: optimize(step.graph), ..step }
         };
         let scalar = traced(&self.tracer, &self.elimination_of_steps());
         let links = ModulePartition::new(self.tracer.model(), &ModuleTree::links(self.model));
@@ -280,6 +287,16 @@ impl PlanContext<'_> {
     ) -> (Kernels, Option<InvalidProgram>) {
         Kernels::lowered(graph, packed, scalars, self.execution, self.share)
     }
+}
+
+/// The form of a step with soft constraints.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum StepForm {
+    /// The function of a robot.
+    Robot,
+    /// A function of arrays of plain numbers, which scales quaternions to length 1 first. With
+    /// `feedback`, its arguments are those of [`EntryFunction`](super::entries::EntryFunction).
+    Entries { feedback: bool },
 }
 
 impl Kernels {

@@ -17,6 +17,7 @@ use modyn_runtime::mechanism::coordinates::CoordinateSpace;
 use super::Tracer;
 use super::composition::Composition;
 use super::products::ForwardDynamics;
+use super::soft_steps::StepGraph;
 use crate::graph::{Graph, Id, Node};
 use crate::passes::{hessian, jacobian, jvp, optimize, vjp};
 
@@ -139,14 +140,13 @@ impl Tracer<'_> {
         let reference = feedback.then(|| [2 * nv * nv, nq, nv].map(|count| all.inputs(count)));
         let goal = cost.then(|| [nq, nv, 2 * nv, nv].map(|count| all.inputs(count)));
         let parameters = all.inputs(self.parameters.len());
-        let mut forces = controls;
-        if let Some([gains, q_ref, qd_ref]) = reference {
-            let mut error = all.add(difference, &[&q, &q_ref, &parameters]);
-            error.extend(all.difference(&qd_ref, &qd));
-            let feedback: Vec<Id> =
-                gains.chunks(2 * nv).map(|gains| all.dot(gains, &error)).collect();
-            forces = all.sums(&forces, &feedback);
-        }
+        let forces = match &reference {
+            None => controls,
+            Some(reference) => {
+                let state = [&*q, &*qd, &*parameters];
+                self.fed_back(&mut all, difference, &controls, state, reference)
+            }
+        };
         let next = all.add(step, &[&q, &qd, &forces, &dt, &settings, &parameters]);
         let Some([q_goal, qd_goal, state_weights, control_weights]) = goal else {
             return all.with_outputs(&[&next]);
@@ -160,6 +160,46 @@ impl Tracer<'_> {
         let added = all.dot(&weighted, &numbers);
         let after = all.sums(&before, &[added]);
         all.with_outputs(&[&next, &after])
+    }
+
+    /// Returns a step with soft constraints whose forces are those of a feedback, as
+    /// [`with_extras`](Self::with_extras) adds it: `gains`, `q_ref` and `qd_ref` are inputs after
+    /// the settings.
+    #[must_use]
+    pub fn step_with_feedback(&self, step: StepGraph, difference: &Graph) -> StepGraph {
+        let nq = self.model.nq;
+        let nv = self.model.nv;
+        let arguments = step.arguments();
+        let others = arguments - self.parameters.len() - nq - 2 * nv;
+        let mut all = Composition::new();
+        let [q, qd, controls, others] = [nq, nv, nv, others].map(|count| all.inputs(count));
+        let reference = [2 * nv * nv, nq, nv].map(|count| all.inputs(count));
+        let added: usize = reference.iter().map(Vec::len).sum();
+        let parameters = all.inputs(self.parameters.len());
+        let of_parts = all.inputs(step.results.inputs.end - arguments);
+        let state = [&*q, &*qd, &*parameters];
+        let forces = self.fed_back(&mut all, difference, &controls, state, &reference);
+        let groups = [&*q, &*qd, &*forces, &*others, &*parameters, &*of_parts];
+        let outputs = all.add(&step.graph, &groups);
+        let graph = all.with_outputs(&[&outputs]);
+        step.in_graph(graph, added)
+    }
+
+    /// Returns the joint forces `controls` + `gains` (x_ref - x). The state is `q`, `qd` and the
+    /// parameters, the reference `gains`, `q_ref` and `qd_ref`.
+    fn fed_back(
+        &self,
+        all: &mut Composition,
+        difference: &Graph,
+        controls: &[Id],
+        [q, qd, parameters]: [&[Id]; 3],
+        [gains, q_ref, qd_ref]: &[Vec<Id>; 3],
+    ) -> Vec<Id> {
+        let mut error = all.add(difference, &[q, q_ref, parameters]);
+        error.extend(all.difference(qd_ref, qd));
+        let rows = gains.chunks(2 * self.model.nv);
+        let feedback: Vec<Id> = rows.map(|row| all.dot(row, &error)).collect();
+        all.sums(controls, &feedback)
     }
 
     /// Returns the graph of inverse dynamics with quaternions of length 1.

@@ -58,6 +58,31 @@ pub struct Part {
     pub outputs: Range<usize>,
 }
 
+impl StepGraph {
+    /// Returns the number of arguments: the inputs before those of the parts.
+    #[must_use]
+    pub fn arguments(&self) -> usize {
+        self.solvers[0].advance.inputs.start
+    }
+
+    /// Returns a step with the same parts in a graph that has so many further arguments.
+    #[must_use]
+    pub fn in_graph(self, graph: Graph, added: usize) -> Self {
+        let part = |Part { inputs, outputs }| {
+            let Range { start, end }: Range<usize> = inputs;
+            Part { inputs: start + added..end + added, outputs }
+        };
+        let solvers = self.solvers.into_iter().map(|solver| SolverParts {
+            first: part(solver.first),
+            advance: part(solver.advance),
+            search: part(solver.search),
+            solution: part(solver.solution),
+            ..solver
+        });
+        Self { graph, solvers: solvers.collect(), results: part(self.results) }
+    }
+}
+
 /// The numbers of a search: both ends, the slope at which it ends, and its end.
 pub const SEARCH: usize = 6;
 

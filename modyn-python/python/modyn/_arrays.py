@@ -11,7 +11,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ._modyn import Robot, functions, rollout_code
-from ._types import Ground, GroundStates, QuadraticCost, RolloutCosts, RolloutStates
+from ._results import StepSolution
+from ._types import HeightField, QuadraticCost, RolloutCosts, RolloutStates
 
 Shape = tuple[int, ...]
 
@@ -19,10 +20,12 @@ Shape = tuple[int, ...]
 class Code:
     """Code for arrays, compiled. Two of them are equal if they have the same code."""
 
-    base: ArrayFunction | GroundStep | None = None
+    base: ArrayFunction | None = None
     """the function that a derivative is of"""
     start: int | None = None
     """the argument from which a solver starts; `None` for functions without a solver, and for their derivatives"""
+    constant: int | None = None
+    """the argument that has no derivatives: the one from which a solver, or the first solver of a rollout, starts"""
 
     def __init__(self, name: str, code: tuple[int, list[list[int]], list[list[int]]]) -> None:
         key, inputs, outputs = code
@@ -53,6 +56,15 @@ class Code:
         return f"{self.name}[{self.key:016x}]"
 
 
+class Extras(NamedTuple):
+    """What a time step of a rollout has beside the function of the table."""
+
+    feedback: bool = False
+    cost: bool = False
+    ground: HeightField | None = None
+    """the ground that sets the planes of the surfaces of `step`"""
+
+
 class ArrayFunction(Code):
     """A function of arrays, or a derivative of one."""
 
@@ -62,15 +74,17 @@ class ArrayFunction(Code):
         name: str,
         link: str | int | None = None,
         derivatives: tuple[Any, ...] = (),
-        feedback: bool = False,
-        cost: bool = False,
+        extras: Extras = Extras(),
     ) -> None:
-        super().__init__(name, robot._array_code(name, link, list(derivatives), feedback, cost))
-        self.robot, self.link, self.derivatives, self.extras = robot, link, derivatives, (feedback, cost)
+        key, inputs, outputs = robot._array_code(name, link, list(derivatives), extras.feedback, extras.cost)
+        if extras.ground is not None:
+            key = robot._field_code(key, derivatives[0] if derivatives else None, extras.ground._numbers())
+        super().__init__(name, (key, inputs, outputs))
+        self.robot, self.link, self.derivatives, self.extras = robot, link, derivatives, extras
         names = [argument for argument, _, _ in robot._array_signature(name, link)[0]]
         self._solves = "warm_start" in names
         if self._solves and not derivatives:
-            self.start = names.index("warm_start")
+            self.start = self.constant = names.index("warm_start")
         self._derived: dict[tuple[str, tuple[int, ...]], ArrayFunction] = {}
 
     def derivative(self, mode: str, variables: Sequence[int]) -> ArrayFunction:
@@ -88,7 +102,7 @@ class ArrayFunction(Code):
         found = self._derived.get(at)
         if found is None:
             derivatives = (*self.derivatives, (mode, list(variables)))
-            found = ArrayFunction(self.robot, self.name, self.link, derivatives, *self.extras)
+            found = ArrayFunction(self.robot, self.name, self.link, derivatives, self.extras)
             found.base = self
             self._derived[at] = found
         return found
@@ -104,48 +118,19 @@ class ArrayFunction(Code):
         return self.derivatives[-1][1] if self.derivatives else []
 
 
-class GroundStep(Code):
-    """A step on the ground, or a first derivative of it.
-
-    `q`, `qd`, the impulses of contacts and of stops and the residual are the state.
-    """
-
-    def __init__(
-        self, robot: Robot, ground: Ground, derivative: tuple[str, list[int]] | None = None, feedback: bool = False
-    ) -> None:
-        heights = None if ground.heights is None else ground.heights._numbers()
-        options = (ground.joint_limits, ground.tolerance, ground.sweeps, ground.newton_steps, heights)
-        super().__init__("step_on_ground", robot._ground_code(options, derivative, feedback))
-        self.robot, self.ground, self.feedback = robot, ground, feedback
-        self.mode, self.variables = derivative or (None, [])
-        self._derived: dict[tuple[str, tuple[int, ...]], GroundStep] = {}
-
-    def derivative(self, mode: str, variables: Sequence[int]) -> GroundStep:
-        """Returns the derivative with respect to these arguments, as `ArrayFunction.derivative` does."""
-        if self.base is not None:
-            raise NotImplementedError("a step on the ground has first derivatives alone")
-        at = (mode, tuple(variables))
-        found = self._derived.get(at)
-        if found is None:
-            found = GroundStep(self.robot, self.ground, (mode, list(variables)), self.feedback)
-            found.base = self
-            self._derived[at] = found
-        return found
-
-
 class Rollout(Code):
-    """A time step that is repeated: the states after all steps, or the state after the last one."""
+    """A time step that is repeated: the results of all steps, or of the last one."""
 
-    def __init__(self, step: ArrayFunction | GroundStep, steps: int, trajectory: bool, sequences: tuple[int, ...]) -> None:
-        code = rollout_code(step.key, steps, trajectory, list(sequences), None)
-        super().__init__(f"rollout of {step.name}", code)
+    def __init__(self, step: ArrayFunction, steps: int, trajectory: bool, sequences: tuple[int, ...]) -> None:
+        # The state after a step are its first results: `q`, `qd`, and the accelerations of a solver, or a cost.
+        self.state = [0, 1] if step.start is None else [0, 1, step.start]
+        if step.extras.cost:
+            self.state.append(2)
+        self.roles = {"state": self.state, "start": step.start, "sequences": list(sequences)}
+        super().__init__(f"rollout of {step.name}", rollout_code(step.key, steps, trajectory, self.roles, None))
         self.step, self.steps, self.trajectory, self.sequences = step, steps, trajectory, sequences
+        self.constant = step.start
         self._gradients: dict[tuple[int, ...], RolloutGradient] = {}
-
-    @property
-    def state(self) -> int:
-        """the number of arrays of the state"""
-        return len(self.step.outputs)
 
     def gradient(self, variables: Sequence[int]) -> RolloutGradient:
         """Returns the gradients of the weighted states with respect to these arguments; the weights are further arguments."""
@@ -165,9 +150,9 @@ class RolloutGradient(Code):
     """The gradients of the weighted states of a rollout."""
 
     def __init__(self, rollout: Rollout, variables: list[int]) -> None:
-        step = rollout.step.derivative("reverse", sorted({*range(rollout.state), *variables}))
-        own = (step.key, variables)
-        code = rollout_code(rollout.step.key, rollout.steps, rollout.trajectory, list(rollout.sequences), own)
+        carried = {k for k in rollout.state if k != rollout.step.start}
+        step = rollout.step.derivative("reverse", sorted(carried | {*variables}))
+        code = rollout_code(rollout.step.key, rollout.steps, rollout.trajectory, rollout.roles, (step.key, variables))
         super().__init__(rollout.name, code)
         self.rollout, self.variables = rollout, variables
 
@@ -188,33 +173,25 @@ COST = ("q_goal", "qd_goal", "state_weights", "control_weights")
 class RolloutSignature:
     """The arguments of the rollouts of a time step."""
 
-    def __init__(self, robot: Robot, step: str, ground: Ground | None = None) -> None:
+    def __init__(self, robot: Robot, step: str, ground: HeightField | None = None) -> None:
         if step not in time_steps():
             raise ValueError(f"there is no time step `{step}`; there are: {', '.join(time_steps())}")
-        if ground is not None and step != "ground":
-            raise TypeError('`ground` are the options of `step="ground"`')
-        if step == "ground" and not robot.contact_names:
-            raise ValueError(
-                "steps on the ground need a robot with a contact: load it with the option `contacts`, for example "
-                f'contacts={{"tip": ("point", "{robot.link_names[-1]}", [0, 0, 0])}}. Joints stop at their limits in these steps, and '
-                "a contact that does not reach the ground has no effect"
-            )
-        self.robot, self.step = robot, f"step_{step}"
-        self.ground = (ground or Ground()) if step == "ground" else None
-        self.parameters = Signature(robot, self.step if self.ground is None else "contact_problem", None)
+        if ground is not None and step != "step":
+            raise TypeError('`ground` is an argument of rollouts with `step="step"`')
+        if not isinstance(ground, HeightField | None):
+            raise TypeError(f"`ground` must be a `modyn.HeightField`, not {type(ground).__name__}")
+        self.robot, self.step, self.ground = robot, step if step == "step" else f"step_{step}", ground
+        self.parameters = Signature(robot, self.step, None)
+        self.solves = "warm_start" in self.parameters.names
 
-    def start(self, given: dict[str, Any], asarray: Callable[[Any], Any], last: GroundStates | None = None) -> None:
-        """Adds the impulses of the last step, the residual and the default settings to the arguments of a step on the ground."""
-        if self.ground is None:
-            if given.pop("settings") is not None:
-                raise TypeError('`settings` are those of `step="ground"`')
-            return
-        zeros = [np.zeros(shape, self.robot.dtype) for shape in ((len(self.robot.contact_names), 3), (self.robot.nv,), (2,))]
-        given["contact_impulses"] = asarray(zeros[0] if last is None else last.contact_impulses)
-        given["stop_impulses"] = asarray(zeros[1] if last is None else last.stop_impulses)
-        given["residual"] = asarray(zeros[2])
-        if given["settings"] is None:
-            given["settings"] = asarray(self.parameters.defaults[self.parameters.names.index("settings")])
+    def start(self, given: dict[str, Any], asarray: Callable[[Any], Any]) -> None:
+        """Adds the defaults of the arguments that only `step` has."""
+        for name in ("warm_start", "settings"):
+            if not self.solves:
+                if given.pop(name) is not None:
+                    raise TypeError(f'`{name}` is an argument of rollouts with `step="step"`')
+            elif given[name] is None:
+                given[name] = asarray(self.parameters.defaults[self.parameters.names.index(name)])
 
     def add_cost(self, given: dict[str, Any], cost: QuadraticCost, asarray: Callable[[str, Any], Any], library: Any) -> None:
         """Adds the arguments of a cost to those of a rollout. `library` has `zeros`, `broadcast_to` and `concatenate`."""
@@ -252,14 +229,11 @@ class RolloutSignature:
             raise TypeError(f"`rollout` needs `gains`, `q_ref` and `qd_ref` together: `{missing[0]}` is missing")
         steps = int(controls.shape[-2])
         has_cost = "cost" in given
-        one: dict[str, Shape] = {"q": (nq,), "qd": (nv,)}
-        if self.ground is None:
-            one |= {"cost": (), "controls": (nv,), "dt": ()}
-        else:
-            if has_cost:
-                raise TypeError('`rollout` with `step="ground"` has no cost: compute it from the states, and leave `cost` out')
-            one |= {"contact_impulses": (len(self.robot.contact_names), 3), "stop_impulses": (nv,), "residual": (2,)}
-            one |= {"controls": (nv,), "dt": (), "settings": self.parameters.shapes[self.parameters.names.index("settings")]}
+        if has_cost and self.solves:
+            raise TypeError('`rollout` with `step="step"` has no cost: compute it from the states, and leave `cost` out')
+        one: dict[str, Shape] = {"q": (nq,), "qd": (nv,), "cost": (), "controls": (nv,), "dt": ()}
+        if self.solves:
+            one |= {name: self.parameters.shapes[self.parameters.names.index(name)] for name in ("warm_start", "settings")}
         one |= {"gains": (nv, 2 * nv), "q_ref": (nq,), "qd_ref": (nv,)}
         one |= {"q_goal": (nq,), "qd_goal": (nv,), "state_weights": (2 * nv,), "control_weights": (nv,)}
         left_out = (*missing, *(() if has_cost else ("cost", *COST)))
@@ -285,23 +259,21 @@ class RolloutSignature:
         """Returns the rollout of this number of steps."""
         return Rollout(self.one_step(feedback, cost), steps, trajectory, sequences)
 
-    def one_step(self, feedback: bool = False, cost: bool = False) -> ArrayFunction | GroundStep:
+    def one_step(self, feedback: bool = False, cost: bool = False) -> ArrayFunction:
         """Returns the function of one step."""
-        if self.ground is not None:
-            return GroundStep(self.robot, self.ground, feedback=feedback)
-        return ArrayFunction(self.robot, self.step, feedback=feedback, cost=cost)
+        return ArrayFunction(self.robot, self.step, extras=Extras(feedback, cost, self.ground))
 
 
 def motions(results: Sequence[Any]) -> Any:
-    """Returns the results of a rollout, with a type for those with a cost and for those on the ground."""
-    return {2: RolloutStates, 3: RolloutCosts, 5: GroundStates}[len(results)](*results)
+    """Returns the results of a rollout, with a type for those with a cost and for those of `step`."""
+    return {2: RolloutStates, 3: RolloutCosts, 6: StepSolution}[len(results)](*results)
 
 
 @functools.cache
 def time_steps() -> list[str]:
     """Returns the names of time steps."""
     found = (re.fullmatch("step_(?!.*_(?:derivatives|hessian)$)(.*)", name) for name in functions())
-    return [*(step[1] for step in found if step), "ground"]
+    return [*(step[1] for step in found if step), "step"]
 
 
 class Parameter(NamedTuple):

@@ -12,8 +12,7 @@ from ._results import *
 from ._types import (
     BaseParameters,
     ConstraintSettings,
-    Ground,
-    GroundStates,
+    HeightField,
     Joint,
     JointLimits,
     QuadraticCost,
@@ -123,12 +122,12 @@ def rollout_code(
     step: int,
     steps: int,
     trajectory: bool,
-    sequences: Sequence[int],
+    roles: Mapping[str, Any],
     reverse: tuple[int, Sequence[int]] | None,
 ) -> tuple[int, list[list[int]], list[list[int]]]:
-    """Returns the key of the rollout of a time step, of whose code this is the key, and the shapes of its arrays: the states after
-    all steps, or after the last one. Given the code of the step's products, it is that of the gradients by the arguments
-    `variables`. `sequences` are the arguments that have numbers for each step."""
+    """Returns the key of the rollout of a time step, of whose code this is the key, and the shapes of its arrays: the results of
+    all steps, or of the last one. Given the code of the step's products, it is that of the gradients by the arguments
+    `variables`. `roles` are the roles of the step's arguments: `state`, `start` and `sequences`."""
 
 def xla_handler() -> int:
     """Returns the address of XLA's handler of all functions of arrays."""
@@ -368,54 +367,25 @@ class Robot:
         results. Each derivative is its mode (`forward`, `reverse` or `matrix`) and the indices of the arrays that vary. With
         `feedback`, a time step has the arguments `gains`, `q_ref` and `qd_ref`; with `cost`, the array `cost` of the state, and
         `q_goal`, `qd_goal`, `state_weights` and `control_weights`."""
-    def _ground_code(
-        self,
-        options: tuple[
-            bool | None, float | None, int | None, int | None, tuple[tuple[float, float], tuple[float, float], int, list[float]] | None
-        ],
-        derivative: tuple[str, Sequence[int]] | None = None,
-        feedback: bool = False,
-    ) -> tuple[int, list[list[int]], list[list[int]]]:
-        """Returns the key of the code of a step on the ground or of a derivative, and the shapes of its arrays of arguments and of
-        results: `q`, `qd`, the impulses of contacts and of stops and the residual are the state; then `tau`, `dt`,
-        `settings`, with `feedback` `gains`, `q_ref` and `qd_ref`, and the run-time parameters. A derivative is its mode (`forward` or `reverse`) and the indices of the
-        arrays that vary. Of the options `joint_limits`, `tolerance`, `sweeps`, `newton_steps` and `heights`, `None` is the default."""
-    def step_on_ground(
+    def _field_code(self, step: int, derivative: tuple[str, Sequence[int]] | None, field: Mapping[str, Any]) -> int:
+        """Returns the key of the code of `step` on a height field, which sets the planes of the surfaces: given the key of the
+        step, or of its derivative, which is a mode (`forward`, `reverse` or `matrix`) and the indices of the arrays that vary.
+        `field` has the origin, the spacing, the columns and the heights."""
+    def step_derivatives(
         self,
         q: ArrayLike,
         qd: ArrayLike,
         tau: ArrayLike,
         dt: ArrayLike,
-        settings: ConstraintSettings | ArrayLike | None = None,
-        *,
-        last: GroundStates | None = None,
-        ground: Ground | None = None,
-    ) -> GroundStates:
-        """Returns the state after the time `dt` (s) on the ground under the joint forces `tau`: contacts are points that the
-        ground can push but not pull, with Coulomb friction, and joints stop at their limits. The method is semi-implicit
-        Euler with impulses, whose laws hold up to `residual`. Closed loops are not closed.
-
-        Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: (); `settings`: `ConstraintSettings`, by default with the
-        ground at z = 0 under all contacts; `last`: the `GroundStates` of the last step, whose impulses the solver starts
-        from; `ground`: `Ground`. Leading axes are those of states, and are broadcast.
-        Result: `GroundStates`.
-        """
-    def step_on_ground_derivatives(
-        self,
-        q: ArrayLike,
-        qd: ArrayLike,
-        tau: ArrayLike,
-        dt: ArrayLike,
-        settings: ConstraintSettings | ArrayLike | None = None,
-        *,
-        last: GroundStates | None = None,
-        ground: Ground | None = None,
+        warm_start: ArrayLike | None = None,
+        settings: StepSettings | ArrayLike | None = None,
     ) -> StepDerivatives:
-        """Returns the state after a step on the ground, and its derivatives A with respect to the state and B with respect to
-        the joint forces, as `step_semi_implicit_derivatives` does for a free step: in tangent space, displacements in the axes
-        before and after the step. Contacts are held in the modes that they have in this step: open, sticking or sliding.
+        """Returns the state after a `step`, and its derivatives A with respect to the state and B with respect to the joint
+        forces, as `step_semi_implicit_derivatives` does for a step without contacts: in tangent space, displacements in the
+        axes before and after the step. They are those of the solution, by the implicit function theorem; where a contact
+        opens or closes, or a point begins to slide, they are those of one side.
 
-        Arguments: those of `step_on_ground`.
+        Arguments: those of `step`.
         Result: `StepDerivatives`.
         """
     def simulate(
@@ -425,18 +395,18 @@ class Robot:
         qd: ArrayLike,
         dt: ArrayLike,
         steps: int,
-        settings: ConstraintSettings | ArrayLike | None = None,
+        settings: StepSettings | ArrayLike | None = None,
         *,
-        ground: Ground | None = None,
-    ) -> GroundStates:
-        """Returns the states after each of `steps` steps on the ground under the joint forces `policy(time, q, qd)`, which gets
-        the time (s) and the state before each step. `modyn.show` shows the motion. A rollout without a call of Python in each
+        ground: HeightField | None = None,
+    ) -> StepSolution:
+        """Returns the results of each of `steps` calls of `step` under the joint forces `policy(time, q, qd)`, which gets the
+        time (s) and the state before each step. `modyn.show` shows the motion. A rollout without a call of Python in each
         step is `rollout`.
 
         Arguments: `policy`: a function that returns tau: (nv,); `q`: (nq,); `qd`: (nv,); `dt`: (); `steps`: the number of
-        steps; `settings` and `ground` as in `step_on_ground`. Leading axes of `q` and `qd` are those of motions, which `policy`
-        gets, too.
-        Result: `GroundStates`, with an axis of steps after those of motions.
+        steps; `settings` and `ground` as in `rollout`. Leading axes of `q` and `qd` are those of motions, which `policy` gets,
+        too.
+        Result: `StepSolution`, with an axis of steps after those of motions.
         """
     def rollout(
         self,
@@ -450,21 +420,25 @@ class Robot:
         q_ref: ArrayLike | None = None,
         qd_ref: ArrayLike | None = None,
         cost: QuadraticCost | None = None,
-        settings: ConstraintSettings | ArrayLike | None = None,
-        ground: Ground | None = None,
+        settings: StepSettings | ArrayLike | None = None,
+        warm_start: ArrayLike | None = None,
+        ground: HeightField | None = None,
         trajectory: bool = True,
-    ) -> RolloutStates | RolloutCosts | GroundStates:
+    ) -> RolloutStates | RolloutCosts | StepSolution:
         """Returns the states of motions of many time steps in one call: after each step, (..., steps, n), or after the last
         one with `trajectory=False`. Many motions use the vector units and all cores.
 
         Arguments: `q`: (nq,); `qd`: (nv,); `controls`: (steps, nv), the joint forces of each step; `dt`: the time step, s;
-        `step`: the method, such as `semi_implicit` for the function `step_semi_implicit`, or `ground` for `step_on_ground`,
-        whose `settings` and `ground` are then arguments, too. With a feedback, the forces are `controls` +
-        `gains` (x_ref - x), where the difference of states has that of coordinates in tangent space, then that of
+        `step`: the method, such as `semi_implicit` for the function `step_semi_implicit`, or `step` for the function `step`,
+        with contacts and joint limits. This one has the arguments `settings`: `StepSettings`, by default the result of
+        `step_settings()`; `warm_start`: the accelerations from which the first solver starts, by default zeros; and `ground`: a
+        `HeightField` that sets the planes of the surfaces, by the place of each shape before each step. With a feedback, the
+        forces are `controls` + `gains` (x_ref - x), where the difference of states has that of coordinates in tangent space, then that of
         velocities: `gains`: (nv, 2 nv) or (steps, nv, 2 nv); `q_ref`: (nq,) or (steps, nq); `qd_ref`: (nv,) or (steps, nv);
         one step stands for all of them. With `cost`, a `QuadraticCost`, each step adds the cost of its forces and of
         the state after it. Leading axes are those of motions, and are broadcast.
-        Result: `RolloutStates`: `q` and `qd`; with a cost `RolloutCosts`, on the ground `GroundStates`.
+        Result: `RolloutStates`: `q` and `qd`; with a cost `RolloutCosts`; of `step` `StepSolution`, with the largest
+        `residual` and `iterations` of all steps with `trajectory=False`.
         """
     def rollout_vjp(
         self,
@@ -481,8 +455,9 @@ class Robot:
         qd_ref: ArrayLike | None = None,
         cost: QuadraticCost | None = None,
         cost_weights: ArrayLike | None = None,
-        settings: ConstraintSettings | ArrayLike | None = None,
-        ground: Ground | None = None,
+        settings: StepSettings | ArrayLike | None = None,
+        warm_start: ArrayLike | None = None,
+        ground: HeightField | None = None,
         trajectory: bool = True,
     ) -> RolloutGradients:
         """Returns the gradients of the weighted states of motions, which `rollout` returns, with respect to its arguments, for

@@ -7,13 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from ._arrays import COST, FEEDBACK, ArrayFunction, GroundStep, Rollout, RolloutSignature, check, motions
+from ._arrays import COST, FEEDBACK, ArrayFunction, Rollout, RolloutSignature, Signature, motions
 from ._modyn import Robot, call_arrays
-from ._results import StepDerivatives
-from ._types import ConstraintSettings, Ground, GroundStates, QuadraticCost, RolloutCosts, RolloutGradients, RolloutStates
+from ._results import StepDerivatives, StepSolution
+from ._types import HeightField, QuadraticCost, RolloutCosts, RolloutGradients, RolloutStates, StepSettings
 
-Step = tuple[str, Ground | None]
-"""the name of a time step, and the options of a step on the ground"""
+Step = tuple[str, HeightField | None]
+"""the name of a time step, and the ground of `step`"""
 
 
 def _array(robot: Robot, function: str, argument: str, given: Any) -> Any:
@@ -21,7 +21,7 @@ def _array(robot: Robot, function: str, argument: str, given: Any) -> Any:
     if given is None:
         return None
     try:
-        if isinstance(given, ConstraintSettings):
+        if isinstance(given, StepSettings):
             return np.asarray(given, robot.dtype)
         found = np.asarray(given)
         return np.ascontiguousarray(found.astype(robot.dtype, casting="same_kind")).reshape(found.shape)
@@ -48,7 +48,7 @@ def _given(
 
 def rollout(
     robot: Robot, arguments: dict[str, Any], step: Step, trajectory: bool, cost: QuadraticCost | None
-) -> RolloutStates | RolloutCosts | GroundStates:
+) -> RolloutStates | RolloutCosts | StepSolution:
     """Returns the result of `Robot.rollout`."""
     arrays, code = _given(robot, "rollout", arguments, step, trajectory, cost)
     return motions(call_arrays(code.key, arrays))
@@ -66,15 +66,15 @@ def rollout_vjp(
     arrays, code = _given(robot, "rollout_vjp", arguments, step, trajectory, cost)
     if cost is None and weights[2] is not None:
         raise TypeError("`cost_weights` of `rollout_vjp` are those of a `cost`")
-    on_ground = isinstance(code.step, GroundStep)
-    own = ("contact_impulses", "stop_impulses", "residual") if on_ground else ("cost",) if cost is not None else ()
-    names = ["q", "qd", *own, "controls", "dt", *(["settings"] if on_ground else [])]
+    solves = code.step.start is not None
+    own = ("cost",) if cost is not None else ()
+    names = ["q", "qd", *own, "controls", "dt", *(["warm_start", "settings"] if solves else [])]
     names += [name for name in FEEDBACK if arguments[name] is not None]
     names += COST if cost is not None else ()
-    wanted = [k for k, name in enumerate(names) if name not in own]
+    wanted = [k for k, name in enumerate(names) if name not in own and k != code.step.start]
     gradient = code.gradient(wanted)
-    weights = (*weights[:2], None, None, None) if on_ground else weights
-    for name, shape, given in zip(("q_weights", "qd_weights", "cost_weights", "", ""), code.outputs, weights):
+    weights = (*weights[:2], *[None] * (len(code.outputs) - 2)) if solves else weights
+    for name, shape, given in zip(("q_weights", "qd_weights", "cost_weights", *[""] * 3), code.outputs, weights):
         weight = np.ascontiguousarray(np.zeros(shape) if given is None else given, robot.dtype).reshape(np.shape(given) or shape)
         if weight.shape[weight.ndim - len(shape) :] != shape:
             raise ValueError(f"`{name}` of `rollout_vjp` has the shape {weight.shape}; expected {shape}, after axes of motions")
@@ -106,42 +106,24 @@ def _steps(given: Any, name: str) -> int | None:
     return shape[-1 - _rank(name)] if len(shape) > _rank(name) else None
 
 
-def _ground(
-    robot: Robot, name: str, arguments: dict[str, Any], last: GroundStates | None, ground: Ground | None
-) -> tuple[GroundStep, list[Any]]:
-    """Returns the step on the ground, and its arguments as arrays."""
-    signature = RolloutSignature(robot, "ground", ground)
-    arrays = {argument: _array(robot, name, argument, given) for argument, given in arguments.items()}
-    signature.start(arrays, lambda x: _array(robot, name, "last", x), last)
-    code = signature.one_step()
-    assert isinstance(code, GroundStep)
-    names = ["q", "qd", "contact_impulses", "stop_impulses", "residual", "tau", "dt", "settings"]
-    given = [arrays[own] for own in names]
-    check(name, names, code.inputs, given)
-    if signature.parameters.parameters:
-        given.append(signature.parameters.flat(None, np.asarray, np.concatenate))
-    return code, given
-
-
-def step_on_ground(robot: Robot, arguments: dict[str, Any], last: GroundStates | None, ground: Ground | None) -> GroundStates:
-    """Returns the result of `Robot.step_on_ground`."""
-    code, given = _ground(robot, "step_on_ground", arguments, last, ground)
-    return GroundStates(*call_arrays(code.key, given))
-
-
-def step_on_ground_derivatives(
-    robot: Robot, arguments: dict[str, Any], last: GroundStates | None, ground: Ground | None
-) -> StepDerivatives:
-    """Returns the result of `Robot.step_on_ground_derivatives`."""
-    code, given = _ground(robot, "step_on_ground_derivatives", arguments, last, ground)
+def step_derivatives(robot: Robot, arguments: dict[str, Any]) -> StepDerivatives:
+    """Returns the result of `Robot.step_derivatives`."""
+    signature = Signature(robot, "step", None)
+    arrays, _ = signature.bind(tuple(arguments.values()), {})
+    given = [_array(robot, "step_derivatives", name, x) for name, x in zip(signature.names, arrays)]
+    signature.check(given)
+    if signature.parameters:
+        given.append(signature.flat(None, np.asarray, np.concatenate))
+    code = ArrayFunction(robot, "step")
     unit = np.eye(robot.nv, dtype=robot.dtype)
     to_rates = ArrayFunction(robot, "velocity_to_qdot").key
     # The rates of the coordinates under each unit velocity: rows, which are orthogonal.
     rates = lambda q: call_arrays(to_rates, [np.ascontiguousarray(q[..., None, :]), unit])[0]
     before = np.swapaxes(rates(given[0]), -1, -2)
-    q, qd, *_ = call_arrays(code.key, given)
+    results = call_arrays(code.key, given)
+    q, qd, *_ = results
     after = rates(q)
-    by = call_arrays(code.derivative("matrix", [0, 1, 5]).key, given)
+    by = call_arrays(code.derivative("matrix", [0, 1, 2]).key, code.at_solution(given, results))
     columns = [np.concatenate([of_q @ before, *others], -1) for of_q, *others in (by[:3], by[3:6])]
     moved = after @ columns[0] / np.sum(after * after, -1)[..., None]
     matrices = np.concatenate([moved, columns[1]], -2)
@@ -149,18 +131,25 @@ def step_on_ground_derivatives(
 
 
 def simulate(
-    robot: Robot, policy: Callable[[float, Any, Any], Any], arguments: dict[str, Any], steps: int, ground: Ground | None
-) -> GroundStates:
+    robot: Robot, policy: Callable[[float, Any, Any], Any], arguments: dict[str, Any], steps: int, ground: HeightField | None
+) -> StepSolution:
     """Returns the result of `Robot.simulate`."""
     if steps < 1:
         raise ValueError(f"`steps` of `simulate` is {steps}; expected at least 1")
-    q, qd, dt = (np.asarray(arguments[name], robot.dtype) for name in ("q", "qd", "dt"))
-    if dt.ndim:
-        raise ValueError(f"`dt` of `simulate` has the shape {dt.shape}; expected a number")
-    found: list[GroundStates] = []
+    signature = RolloutSignature(robot, "step", ground)
+    given = {name: _array(robot, "simulate", name, x) for name, x in arguments.items()}
+    if given["dt"].ndim:
+        raise ValueError(f"`dt` of `simulate` has the shape {given['dt'].shape}; expected a number")
+    given["warm_start"] = None
+    signature.start(given, np.asarray)
+    step, of_robot = signature.one_step(), signature.parameters
+    parameters = [of_robot.flat(None, np.asarray, np.concatenate)] if of_robot.parameters else []
+    q, qd, qdd = given["q"], given["qd"], given["warm_start"]
+    results: list[StepSolution] = []
     for k in range(steps):
-        tau = policy(k * float(dt), q, qd)
-        of_step = {"q": q, "qd": qd, "tau": tau, "dt": dt, "settings": arguments["settings"]}
-        found.append(step_on_ground(robot, of_step, found[-1] if found else None, ground))
-        q, qd = found[-1].q, found[-1].qd
-    return GroundStates(*(np.stack(parts, q.ndim - 1) for parts in zip(*found)))
+        tau = _array(robot, "simulate", "policy(time, q, qd)", policy(k * float(given["dt"]), q, qd))
+        of_step = [q, qd, tau, given["dt"], qdd, given["settings"]]
+        of_robot.check(of_step)
+        results.append(StepSolution(*call_arrays(step.key, of_step + parameters)))
+        q, qd, qdd = results[-1][:3]
+    return StepSolution(*(np.stack(parts, q.ndim - 1) for parts in zip(*results)))

@@ -234,52 +234,12 @@ class HeightField:
     spacing: tuple[float, float] = (1.0, 1.0)
     """the distances of neighbours along x and y, m"""
 
-    def _numbers(self) -> tuple[tuple[float, float], tuple[float, float], int, list[float]]:
+    def _numbers(self) -> dict[str, Any]:
         heights = np.asarray(self.heights, float)
         if heights.ndim != 2:
             raise ValueError(f"`heights` of `HeightField` has the shape {heights.shape}; expected (rows, columns)")
-        (x, y), (along_x, along_y) = self.origin, self.spacing
-        return (float(x), float(y)), (float(along_x), float(along_y)), heights.shape[1], heights.ravel().tolist()
-
-
-@dataclass(frozen=True)
-class Ground:
-    """The options of steps on the ground."""
-
-    joint_limits: bool = True
-    """whether joints stop at the limits of the description"""
-    tolerance: float | None = None
-    """the largest wrong velocity at which the solver ends, m/s and rad/s; by default 1e-9, and 8e-6 in single precision"""
-    sweeps: int = 8
-    """the largest number of sweeps over the contacts"""
-    newton_steps: int = 40
-    """the largest number of Newton steps after the sweeps"""
-    heights: HeightField | None = None
-    """the heights of the ground; they set the planes of the targets of all contacts, at each step"""
-
-
-class GroundStates(NamedTuple):
-    """The states of motions on the ground, with the impulses of the steps that led to them: after each step, (..., steps, n), or
-    after the last one, (..., n)."""
-
-    q: NDArray[Any]
-    """the coordinates"""
-    qd: NDArray[Any]
-    """the velocities"""
-    contact_impulses: NDArray[Any]
-    """(..., contacts, 3): along the x and y axes of the target of each contact, then along its normal, N s"""
-    stop_impulses: NDArray[Any]
-    """(..., nv): of the joint stops, N m s or N s"""
-    residual: NDArray[Any]
-    """(..., 2): the largest wrong velocity of a contact, m/s, and of a joint at a stop, rad/s or m/s, in all steps so far"""
-
-    def modes(self, friction: ArrayLike = 0.8) -> NDArray[np.int8]:
-        """Returns the state of each contact, (..., contacts): 0 for open, 1 for stick, 2 for slip. `friction` is the coefficient of
-        friction of the contacts."""
-        tangential = np.linalg.norm(self.contact_impulses[..., :2], axis=-1)
-        normal = self.contact_impulses[..., 2]
-        limit = np.asarray(friction) * normal * (1 - 1e-6)
-        return np.where(normal <= 0, 0, np.where((tangential > limit) | (limit <= 0), 2, 1)).astype(np.int8)
+        origin, spacing = ([float(x) for x in pair] for pair in (self.origin, self.spacing))
+        return {"origin": origin, "spacing": spacing, "columns": heights.shape[1], "heights": heights.ravel().tolist()}
 
 
 class RolloutGradients(NamedTuple):
@@ -295,7 +255,7 @@ class RolloutGradients(NamedTuple):
     q_ref: NDArray[Any] | None = None
     qd_ref: NDArray[Any] | None = None
     settings: NDArray[Any] | None = None
-    """by the numbers of `settings`; `None` unless the steps are on the ground"""
+    """with respect to the numbers of `settings`; `None` unless the step is `step`"""
     cost: QuadraticCost | None = None
     """`None` without a cost"""
 

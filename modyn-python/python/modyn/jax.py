@@ -35,7 +35,8 @@ from jax.interpreters import ad, batching, mlir
 from . import _modyn
 from ._arrays import ArrayFunction, Rollout, RolloutGradient, RolloutSignature, Signature, documented, motions
 from ._modyn import Robot
-from ._types import ConstraintSettings, Ground, GroundStates, QuadraticCost, RolloutCosts, RolloutStates
+from ._results import StepSolution
+from ._types import HeightField, QuadraticCost, RolloutCosts, RolloutStates, StepSettings
 
 __all__ = ["function", "parameters", "rollout", "to_tangent"]
 
@@ -65,13 +66,13 @@ def function(robot: Robot, name: str, link: str | int | None = None) -> Callable
 
 
 def rollout(
-    robot: Robot, step: str = "semi_implicit", trajectory: bool = True, ground: Ground | None = None
-) -> Callable[..., RolloutStates | RolloutCosts | GroundStates]:
+    robot: Robot, step: str = "semi_implicit", trajectory: bool = True, ground: HeightField | None = None
+) -> Callable[..., RolloutStates | RolloutCosts | StepSolution]:
     """Returns the function `Robot.rollout` of a robot as a function of JAX's arrays.
 
     It is one call from the first step to the last, and so is its gradient, which stores few states. Other derivatives go through
     `lax.scan`. Its arguments are `q`, `qd`, `controls`, `dt`, and by keyword `gains`, `q_ref`, `qd_ref`, `cost` and `parameters`.
-    With `step="ground"`, `ground` are the options of the step; then `settings` is an argument, and there are first derivatives alone.
+    With `step="step"`, `settings` and `warm_start` are arguments, `ground` is a `HeightField`, and there are only first derivatives.
     """
     signature = RolloutSignature(robot, step, ground)
     dtype = np.dtype(robot.dtype)
@@ -87,13 +88,14 @@ def rollout(
         qd_ref: Any = None,
         cost: QuadraticCost | None = None,
         settings: Any = None,
+        warm_start: Any = None,
         parameters: Any = None,
     ) -> Any:
         """Returns the states after each step, (..., steps, n), or after the last one."""
         arguments = {"q": q, "qd": qd, "controls": controls, "dt": dt, "gains": gains, "q_ref": q_ref, "qd_ref": qd_ref}
-        if isinstance(settings, ConstraintSettings):
+        if isinstance(settings, StepSettings):
             settings = np.asarray(settings, robot.dtype)
-        arguments["settings"] = settings
+        arguments |= {"settings": settings, "warm_start": warm_start}
         given = {name: None if x is None else _array(x, dtype, name, "rollout") for name, x in arguments.items()}
         signature.start(given, jnp.asarray)
         if cost is not None:
@@ -198,7 +200,7 @@ def _lowered(context: Any, *operands: Any, code: Any) -> Any:
 
 def _jvp(primals: Any, tangents: Any, *, code: ArrayFunction) -> Any:
     values = _call.bind(*primals, code=code)
-    variables = [i for i, tangent in enumerate(tangents) if type(tangent) is not ad.Zero and i != code.start]
+    variables = [i for i, tangent in enumerate(tangents) if type(tangent) is not ad.Zero and i != code.constant]
     if not variables:
         return values, [ad.Zero.from_primal_value(value) for value in values]
     changes = [tangents[i] for i in variables]
@@ -301,20 +303,23 @@ _rollout_gradient = Primitive("modyn_rollout_gradient")
 def _scanned(code: Rollout, arrays: Any) -> list[Any]:
     """Returns the states of a rollout, by calls of the step in a `scan`."""
     lead = _lead(arrays, code.inputs)
-    state = [jnp.broadcast_to(x, (*lead, *own)) for x, own in zip(arrays, code.step.outputs)]
+    state = [jnp.broadcast_to(arrays[k], (*lead, *code.inputs[k])) for k in code.state]
     by_step = [jnp.moveaxis(arrays[k], arrays[k].ndim - len(code.inputs[k]), 0) for k in code.sequences]
 
     def advance(state: Any, of_step: Any) -> Any:
-        given = [*state, *arrays[code.state :]]
-        for k, array in zip(code.sequences, of_step):
+        given = list(arrays)
+        for k, array in zip([*code.state, *code.sequences], [*state, *of_step]):
             given[k] = array
-        state = _call.bind(*given, code=code.step)
-        return state, state if code.trajectory else None
+        results = _call.bind(*given, code=code.step)
+        return results[: len(code.state)], results
 
-    end, states = jax.lax.scan(advance, state, by_step, length=code.steps)
-    if not code.trajectory:
-        return list(end)
-    return [jnp.moveaxis(x, 0, len(lead)) for x in states]
+    end, results = jax.lax.scan(advance, state, by_step, length=code.steps)
+    if code.trajectory:
+        return [jnp.moveaxis(x, 0, len(lead)) for x in results]
+    # The accelerations and forces of the last step, the largest residual and number of iterations of all steps.
+    last = lambda x: x[-1] if code.steps else x.sum(0)
+    others = [x.max(0, initial=0) if x.ndim == 1 + len(lead) else last(x) for x in results[len(code.state) :]]
+    return [*end, *others]
 
 
 def _changes_shapes(code: Rollout, variables: tuple[int, ...]) -> list[tuple[int, ...]]:
@@ -354,7 +359,7 @@ def _gradient_by_scan(code: RolloutGradient, arrays: Any) -> list[Any]:
 
 def _rollout_jvp(primals: Any, tangents: Any, *, code: Rollout) -> Any:
     values = _rollout.bind(*primals, code=code)
-    variables = tuple(i for i, tangent in enumerate(tangents) if type(tangent) is not ad.Zero)
+    variables = tuple(i for i, tangent in enumerate(tangents) if type(tangent) is not ad.Zero and i != code.constant)
     if not variables:
         return values, [ad.Zero.from_primal_value(value) for value in values]
     changes = [tangents[i] for i in variables]

@@ -25,7 +25,8 @@ import numpy as np
 
 from ._arrays import ArrayFunction, Rollout, RolloutSignature, Signature, documented, motions
 from ._modyn import Robot, call_arrays
-from ._types import ConstraintSettings, Ground, GroundStates, QuadraticCost, RolloutCosts, RolloutStates
+from ._results import StepSolution
+from ._types import HeightField, QuadraticCost, RolloutCosts, RolloutStates, StepSettings
 
 __all__ = ["function", "parameters", "rollout", "to_tangent"]
 
@@ -57,13 +58,13 @@ def function(robot: Robot, name: str, link: str | int | None = None) -> Callable
 
 
 def rollout(
-    robot: Robot, step: str = "semi_implicit", trajectory: bool = True, ground: Ground | None = None
-) -> Callable[..., RolloutStates | RolloutCosts | GroundStates]:
+    robot: Robot, step: str = "semi_implicit", trajectory: bool = True, ground: HeightField | None = None
+) -> Callable[..., RolloutStates | RolloutCosts | StepSolution]:
     """Returns the function `Robot.rollout` of a robot as a function of PyTorch's tensors.
 
     It is one call from the first step to the last, and so is its gradient, which stores few states. Its arguments are `q`, `qd`,
     `controls`, `dt`, and by keyword `gains`, `q_ref`, `qd_ref`, `cost` and `parameters`. It has first derivatives in reverse mode.
-    With `step="ground"`, `ground` are the options of the step, and `settings` is an argument.
+    With `step="step"`, `settings` and `warm_start` are arguments, and `ground` is a `HeightField`.
     """
     signature = RolloutSignature(robot, step, ground)
     dtype = _dtype(robot)
@@ -83,13 +84,14 @@ def rollout(
         qd_ref: Any = None,
         cost: QuadraticCost | None = None,
         settings: Any = None,
+        warm_start: Any = None,
         parameters: Any = None,
     ) -> Any:
         """Returns the states after each step, (..., steps, n), or after the last one."""
         arguments = {"q": q, "qd": qd, "controls": controls, "dt": dt, "gains": gains, "q_ref": q_ref, "qd_ref": qd_ref}
-        if isinstance(settings, ConstraintSettings):
+        if isinstance(settings, StepSettings):
             settings = np.asarray(settings, robot.dtype)
-        arguments["settings"] = settings
+        arguments |= {"settings": settings, "warm_start": warm_start}
         given = {name: None if x is None else _tensor(x, dtype, name, "rollout") for name, x in arguments.items()}
         signature.start(given, lambda x: _tensor(x, dtype, "settings", "rollout"))
         if cost is not None:
@@ -222,7 +224,7 @@ class _Call(torch.autograd.Function):
     @staticmethod
     def backward(ctx: Any, *weights: torch.Tensor) -> Any:
         tensors = ctx.saved_tensors
-        variables = [k for k in range(len(tensors)) if ctx.needs_input_grad[k + 1] and k != ctx.code.start]
+        variables = [k for k in range(len(tensors)) if ctx.needs_input_grad[k + 1] and k != ctx.code.constant]
         found = _Call.apply(ctx.code.derivative("reverse", variables), *tensors, *weights)
         gradients: list[Any] = [None] * len(tensors)
         for k, gradient in zip(variables, found):
@@ -232,7 +234,7 @@ class _Call(torch.autograd.Function):
     @staticmethod
     def jvp(ctx: Any, _: Any, *changes: Any) -> Any:
         tensors = ctx.saved_tensors
-        variables = [k for k, change in enumerate(changes) if change is not None and k != ctx.code.start]
+        variables = [k for k, change in enumerate(changes) if change is not None and k != ctx.code.constant]
         changes = [changes[k] for k in variables]  # type: ignore[assignment]
         return _Call.apply(ctx.code.derivative("forward", variables), *tensors, *changes)
 

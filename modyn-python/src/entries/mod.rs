@@ -9,7 +9,7 @@
 //! The code of a function is never dropped: XLA may call it as long as the process lives.
 
 mod code;
-mod ground;
+mod field;
 mod interface;
 mod kernel;
 mod rollout;
@@ -36,7 +36,7 @@ use crate::number::Number;
 use crate::pool::StartedThreads;
 use crate::robot::Robot;
 use code::ArrayCode;
-use ground::GroundOptions;
+use field::{FieldNumbers, FieldStep};
 use kernel::{ArrayShapes, StateFunction};
 use rollout::{Reverse, Rollout};
 use states::{Broadcast, Fault, Numbers, common};
@@ -90,6 +90,17 @@ fn register(key: i64, code: AnyCode) {
     registry.entry(key).or_insert_with(|| Box::leak(Box::new(code)));
 }
 
+/// Returns a derivative, given its mode and the indices of the arrays that vary.
+fn parsed((mode, variables): (String, Vec<usize>)) -> PyResult<Derivative> {
+    let mode = match &*mode {
+        "forward" => DerivativeMode::Forward,
+        "reverse" => DerivativeMode::Reverse,
+        "matrix" => DerivativeMode::Matrix,
+        other => return Err(PyValueError::new_err(format!("no mode `{other}`"))),
+    };
+    Ok(Derivative { mode, variables })
+}
+
 /// Returns the key of a function: a hash of its program, its arrays and its scalar, the same in
 /// each process.
 fn key_of(planned: &Planned, arrays: &ArrayShapes, scalar: FloatType, machine: bool) -> i64 {
@@ -134,16 +145,7 @@ impl Robot {
         cost: bool,
     ) -> PyResult<KeyAndShapes> {
         let (function, link) = self.array_function(name, link)?;
-        let derivative = |(mode, variables): (String, Vec<usize>)| {
-            let mode = match &*mode {
-                "forward" => DerivativeMode::Forward,
-                "reverse" => DerivativeMode::Reverse,
-                "matrix" => DerivativeMode::Matrix,
-                other => return Err(PyValueError::new_err(format!("no mode `{other}`"))),
-            };
-            Ok(Derivative { mode, variables })
-        };
-        let derivatives = derivatives.into_iter().map(derivative).collect::<PyResult<Vec<_>>>()?;
+        let derivatives = derivatives.into_iter().map(parsed).collect::<PyResult<Vec<_>>>()?;
         let mut results = signature::places(self, function);
         let count = results.iter().map(Vec::len).sum();
         results.extend(cost.then(|| vec![count]));
@@ -156,37 +158,43 @@ impl Robot {
 
 #[pymethods]
 impl Robot {
-    /// Returns the key of the code of a step on the ground or of a derivative, and the shapes of
-    /// its arrays of arguments and of results: `q`, `qd`, the impulses of contacts and of stops and
-    /// the residual are the state; then `tau`, `dt`, `settings`, with `feedback` `gains`, `q_ref`
-    /// and `qd_ref`, and the run-time parameters. A derivative is its mode (`forward` or `reverse`)
-    /// and the indices of the arrays that vary. Of the options `joint_limits`, `tolerance`,
-    /// `sweeps`, `newton_steps` and `heights`, `None` is the default.
-    #[pyo3(signature = (options, derivative=None, feedback=false))]
-    fn _ground_code(
+    /// Returns the key of the code of `step` on a height field, which sets the planes of the
+    /// surfaces: given the key of the step, or of its derivative, which is a mode (`forward`,
+    /// `reverse` or `matrix`) and the indices of the arrays that vary. `field` has the origin, the
+    /// spacing, the columns and the heights.
+    #[pyo3(signature = (step, derivative, field))]
+    fn _field_code(
         &self,
         py: Python<'_>,
-        options: GroundOptions,
+        step: i64,
         derivative: Option<(String, Vec<usize>)>,
-        feedback: bool,
-    ) -> PyResult<KeyAndShapes> {
-        self.check_has(Function::ContactProblem)?;
-        match self.scalar() {
-            FloatType::F64 => {
-                self.ground_code(py, options, feedback, derivative, AnyCode::F64, |code| match code
-                {
-                    AnyCode::F64(ArrayCode::Function(function)) => Some(function),
-                    _ => None,
-                })
-            }
-            FloatType::F32 => {
-                self.ground_code(py, options, feedback, derivative, AnyCode::F32, |code| match code
-                {
-                    AnyCode::F32(ArrayCode::Function(function)) => Some(function),
-                    _ => None,
-                })
-            }
+        field: FieldNumbers,
+    ) -> PyResult<i64> {
+        let derivative = derivative.map(parsed).transpose()?;
+        let poses = field::poses(self);
+        let arrays = signature::shapes(self, &poses).map_err(PyValueError::new_err)?;
+        let poses = self.array_key(&poses, || self.array_code(py, &poses, &arrays))?;
+        let mut hasher = DefaultHasher::new();
+        let FieldNumbers { origin, spacing, columns, heights } = &field;
+        let numbers = origin.iter().chain(spacing).chain(heights);
+        numbers.for_each(|number| number.to_bits().hash(&mut hasher));
+        (step, poses, columns, format!("{derivative:?}")).hash(&mut hasher);
+        let key = (hasher.finish() >> 1).cast_signed();
+        if find(key).is_some() {
+            return Ok(key);
         }
+        let codes = [step, poses].map(find);
+        let code = match codes {
+            [Some(AnyCode::F64(step)), Some(AnyCode::F64(poses))] => {
+                AnyCode::F64(self.on_field([step, poses], &field, derivative)?)
+            }
+            [Some(AnyCode::F32(step)), Some(AnyCode::F32(poses))] => {
+                AnyCode::F32(self.on_field([step, poses], &field, derivative)?)
+            }
+            _ => return Err(no_step()),
+        };
+        register(key, code);
+        Ok(key)
     }
 
     /// Returns the states of motions of many time steps in one call: after each step, (..., steps,
@@ -195,17 +203,21 @@ impl Robot {
     ///
     /// Arguments: `q`: (nq,); `qd`: (nv,); `controls`: (steps, nv), the joint forces of each step;
     /// `dt`: the time step, s; `step`: the method, such as `semi_implicit` for the function
-    /// `step_semi_implicit`, or `ground` for `step_on_ground`, whose `settings` and `ground` are
-    /// then arguments, too. With a feedback, the forces are `controls` + `gains` (x_ref - x), where
+    /// `step_semi_implicit`, or `step` for the function `step`, with contacts and joint limits. This
+    /// one has the arguments `settings`: `StepSettings`, by default the result of `step_settings()`;
+    /// `warm_start`: the accelerations from which the first solver starts, by default zeros; and
+    /// `ground`: a `HeightField` that sets the planes of the surfaces, by the place of each shape
+    /// before each step. With a feedback, the forces are `controls` + `gains` (x_ref - x), where
     /// the difference of states has that of coordinates in tangent space, then that of velocities:
     /// `gains`: (nv, 2 nv) or (steps, nv, 2 nv); `q_ref`: (nq,) or (steps, nq); `qd_ref`: (nv,) or
     /// (steps, nv); one step stands for all of them. With `cost`, a `QuadraticCost`, each step adds
     /// the cost of its forces and of the state after it. Leading axes are those of motions, and are
-    /// broadcast. Result: `RolloutStates`: `q` and `qd`; with a cost `RolloutCosts`, on the ground
-    /// `GroundStates`.
+    /// broadcast. Result: `RolloutStates`: `q` and `qd`; with a cost `RolloutCosts`; of `step`
+    /// `StepSolution`, with the largest `residual` and `iterations` of all steps with
+    /// `trajectory=False`.
     #[pyo3(signature = (
         q, qd, controls, dt, *, step="semi_implicit", gains=None, q_ref=None, qd_ref=None,
-        cost=None, settings=None, ground=None, trajectory=true,
+        cost=None, settings=None, warm_start=None, ground=None, trajectory=true,
     ))]
     #[allow(clippy::too_many_arguments)]
     fn rollout<'py>(
@@ -220,10 +232,21 @@ impl Robot {
         qd_ref: Option<&Bound<'py, PyAny>>,
         cost: Option<&Bound<'py, PyAny>>,
         settings: Option<&Bound<'py, PyAny>>,
+        warm_start: Option<&Bound<'py, PyAny>>,
         ground: Option<&Bound<'py, PyAny>>,
         trajectory: bool,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let given = [Some(q), Some(qd), Some(controls), Some(dt), settings, gains, q_ref, qd_ref];
+        let given = [
+            Some(q),
+            Some(qd),
+            Some(controls),
+            Some(dt),
+            settings,
+            warm_start,
+            gains,
+            q_ref,
+            qd_ref,
+        ];
         let arguments = named(slf.py(), &ROLLOUT_ARGUMENTS, &given)?;
         let rollout = slf.py().import("modyn._rollout")?.getattr("rollout")?;
         rollout.call1((slf, arguments, (step, ground), trajectory, cost))
@@ -239,8 +262,8 @@ impl Robot {
     /// and the shapes of the arguments.
     #[pyo3(signature = (
         q, qd, controls, dt, q_weights, qd_weights, *, step="semi_implicit", gains=None,
-        q_ref=None, qd_ref=None, cost=None, cost_weights=None, settings=None, ground=None,
-        trajectory=true,
+        q_ref=None, qd_ref=None, cost=None, cost_weights=None, settings=None, warm_start=None,
+        ground=None, trajectory=true,
     ))]
     #[allow(clippy::too_many_arguments)]
     fn rollout_vjp<'py>(
@@ -258,76 +281,60 @@ impl Robot {
         cost: Option<&Bound<'py, PyAny>>,
         cost_weights: Option<&Bound<'py, PyAny>>,
         settings: Option<&Bound<'py, PyAny>>,
+        warm_start: Option<&Bound<'py, PyAny>>,
         ground: Option<&Bound<'py, PyAny>>,
         trajectory: bool,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let given = [Some(q), Some(qd), Some(controls), Some(dt), settings, gains, q_ref, qd_ref];
+        let given = [
+            Some(q),
+            Some(qd),
+            Some(controls),
+            Some(dt),
+            settings,
+            warm_start,
+            gains,
+            q_ref,
+            qd_ref,
+        ];
         let arguments = named(slf.py(), &ROLLOUT_ARGUMENTS, &given)?;
         let vjp = slf.py().import("modyn._rollout")?.getattr("rollout_vjp")?;
         let weights = (q_weights, qd_weights, cost_weights);
         vjp.call1((slf, arguments, weights, (step, ground), trajectory, cost))
     }
 
-    /// Returns the state after the time `dt` (s) on the ground under the joint forces `tau`:
-    /// contacts are points that the ground can push but not pull, with Coulomb friction, and joints
-    /// stop at their limits. The method is semi-implicit Euler with impulses, whose laws hold up to
-    /// `residual`. Closed loops are not closed.
+    /// Returns the state after a `step`, and its derivatives A with respect to the state and B with
+    /// respect to the joint forces, as `step_semi_implicit_derivatives` does for a step without
+    /// contacts: in tangent space, displacements in the axes before and after the step. They are
+    /// those of the solution, by the implicit function theorem; where a contact opens or closes, or a
+    /// point begins to slide, they are those of one side.
     ///
-    /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: (); `settings`:
-    /// `ConstraintSettings`, by default with the ground at z = 0 under all contacts; `last`: the
-    /// `GroundStates` of the last step, whose impulses the solver starts from; `ground`: `Ground`.
-    /// Leading axes are those of states, and are broadcast. Result: `GroundStates`.
-    #[pyo3(signature = (q, qd, tau, dt, settings=None, *, last=None, ground=None))]
+    /// Arguments: those of `step`. Result: `StepDerivatives`.
+    #[pyo3(signature = (q, qd, tau, dt, warm_start=None, settings=None))]
     #[allow(clippy::too_many_arguments)]
-    fn step_on_ground<'py>(
+    fn step_derivatives<'py>(
         slf: &Bound<'py, Self>,
         q: &Bound<'py, PyAny>,
         qd: &Bound<'py, PyAny>,
         tau: &Bound<'py, PyAny>,
         dt: &Bound<'py, PyAny>,
+        warm_start: Option<&Bound<'py, PyAny>>,
         settings: Option<&Bound<'py, PyAny>>,
-        last: Option<&Bound<'py, PyAny>>,
-        ground: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let given = [Some(q), Some(qd), Some(tau), Some(dt), settings];
-        let arguments = named(slf.py(), &["q", "qd", "tau", "dt", "settings"], &given)?;
-        let step = slf.py().import("modyn._rollout")?.getattr("step_on_ground")?;
-        step.call1((slf, arguments, last, ground))
+        let given = [Some(q), Some(qd), Some(tau), Some(dt), warm_start, settings];
+        let names = ["q", "qd", "tau", "dt", "warm_start", "settings"];
+        let arguments = named(slf.py(), &names, &given)?;
+        let function = slf.py().import("modyn._rollout")?.getattr("step_derivatives")?;
+        function.call1((slf, arguments))
     }
 
-    /// Returns the state after a step on the ground, and its derivatives A with respect to the
-    /// state and B with respect to the joint forces, as `step_semi_implicit_derivatives` does for a
-    /// free step: in tangent space, displacements in the axes before and after the step. Contacts
-    /// are held in the modes that they have in this step: open, sticking or sliding.
-    ///
-    /// Arguments: those of `step_on_ground`.
-    /// Result: `StepDerivatives`.
-    #[pyo3(signature = (q, qd, tau, dt, settings=None, *, last=None, ground=None))]
-    #[allow(clippy::too_many_arguments)]
-    fn step_on_ground_derivatives<'py>(
-        slf: &Bound<'py, Self>,
-        q: &Bound<'py, PyAny>,
-        qd: &Bound<'py, PyAny>,
-        tau: &Bound<'py, PyAny>,
-        dt: &Bound<'py, PyAny>,
-        settings: Option<&Bound<'py, PyAny>>,
-        last: Option<&Bound<'py, PyAny>>,
-        ground: Option<&Bound<'py, PyAny>>,
-    ) -> PyResult<Bound<'py, PyAny>> {
-        let given = [Some(q), Some(qd), Some(tau), Some(dt), settings];
-        let arguments = named(slf.py(), &["q", "qd", "tau", "dt", "settings"], &given)?;
-        let function = slf.py().import("modyn._rollout")?.getattr("step_on_ground_derivatives")?;
-        function.call1((slf, arguments, last, ground))
-    }
-
-    /// Returns the states after each of `steps` steps on the ground under the joint forces
+    /// Returns the results of each of `steps` calls of `step` under the joint forces
     /// `policy(time, q, qd)`, which gets the time (s) and the state before each step. `modyn.show`
     /// shows the motion. A rollout without a call of Python in each step is `rollout`.
     ///
     /// Arguments: `policy`: a function that returns tau: (nv,); `q`: (nq,); `qd`: (nv,); `dt`: ();
-    /// `steps`: the number of steps; `settings` and `ground` as in `step_on_ground`. Leading axes
-    /// of `q` and `qd` are those of motions, which `policy` gets, too. Result: `GroundStates`, with
-    /// an axis of steps after those of motions.
+    /// `steps`: the number of steps; `settings` and `ground` as in `rollout`. Leading axes of `q` and
+    /// `qd` are those of motions, which `policy` gets, too. Result: `StepSolution`, with an axis of
+    /// steps after those of motions.
     #[pyo3(signature = (policy, q, qd, dt, steps, settings=None, *, ground=None))]
     #[allow(clippy::too_many_arguments)]
     fn simulate<'py>(
@@ -348,8 +355,8 @@ impl Robot {
 }
 
 /// The names of the arguments of a rollout.
-const ROLLOUT_ARGUMENTS: [&str; 8] =
-    ["q", "qd", "controls", "dt", "settings", "gains", "q_ref", "qd_ref"];
+const ROLLOUT_ARGUMENTS: [&str; 9] =
+    ["q", "qd", "controls", "dt", "settings", "warm_start", "gains", "q_ref", "qd_ref"];
 
 /// Returns arguments by their names.
 fn named<'py>(
@@ -392,47 +399,21 @@ impl Robot {
         Ok((function, link))
     }
 
-    /// Returns the key and the shapes of a step on the ground, which is compiled at its first use.
-    fn ground_code<S: Number>(
+    /// Returns the code of a step on a height field, given the code of the step and of the poses of
+    /// the links that carry the shapes.
+    fn on_field<S: Number>(
         &self,
-        py: Python<'_>,
-        options: GroundOptions,
-        feedback: bool,
-        derivative: Option<(String, Vec<usize>)>,
-        code: fn(ArrayCode<S>) -> AnyCode,
-        function: fn(&'static AnyCode) -> Option<&'static StateFunction<S>>,
-    ) -> PyResult<KeyAndShapes> {
-        let step = ground::Step::new(self, options, feedback);
-        let parsed = derivative.map(|(mode, variables)| match &*mode {
-            "forward" => Ok(Derivative { mode: DerivativeMode::Forward, variables }),
-            "reverse" => Ok(Derivative { mode: DerivativeMode::Reverse, variables }),
-            "matrix" => Ok(Derivative { mode: DerivativeMode::Matrix, variables }),
-            other => {
-                Err(PyValueError::new_err(format!("no mode `{other}` of a step on the ground")))
-            }
-        });
-        let derivative = parsed.transpose()?;
-        let arrays = step.shapes(derivative.as_ref()).map_err(PyValueError::new_err)?;
-        let key = self.ground_key(step.key(derivative.as_ref()), || {
-            let mut hasher = DefaultHasher::new();
-            (step.key(None).1, format!("{:?} {derivative:?}", step.robot())).hash(&mut hasher);
-            // Steps with other options have the same programs.
-            let compiled = |part: &EntryFunction| {
-                let arrays = signature::shapes(self, part).unwrap_or_default();
-                let key = self.array_key(part, || self.array_code(py, part, &arrays))?;
-                key.hash(&mut hasher);
-                let none = || PyValueError::new_err("there is no such function");
-                find(key).and_then(function).ok_or_else(none)
-            };
-            let function = step.compile(derivative.as_ref(), compiled)?;
-            let key = (hasher.finish() >> 1).cast_signed();
-            if find(key).is_none() {
-                let function = StateFunction::of_own_code(function, arrays.clone());
-                register(key, code(ArrayCode::Function(function)));
-            }
-            Ok::<_, PyErr>(key)
-        })?;
-        Ok((key, arrays.inputs().to_vec(), arrays.outputs().to_vec()))
+        codes: [&'static ArrayCode<S>; 2],
+        field: &FieldNumbers,
+        derivative: Option<Derivative>,
+    ) -> PyResult<ArrayCode<S>> {
+        let [ArrayCode::Function(step), ArrayCode::Function(poses)] = codes else {
+            return Err(no_step());
+        };
+        let own = FieldStep::new(self, [step, poses], field, derivative);
+        let own = own.map_err(|error| PyValueError::new_err(error.to_string()))?;
+        let shapes = own.shapes().clone();
+        Ok(ArrayCode::Function(StateFunction::of_own_code(own, shapes)))
     }
 
     /// Compiles a function of arrays, unless there is the same code already, and returns its key.
@@ -463,20 +444,39 @@ impl Robot {
     }
 }
 
-/// Returns the key of the rollout of a time step, of whose code this is the key: the states after
-/// all steps, or after the last one. Given the code of the step's products, it is that of the
-/// gradients by the arguments `variables`. `sequences` are the arguments that have numbers for each
-/// step.
+/// The roles of the arguments of a step in a rollout, by their indices.
+#[derive(FromPyObject, Hash)]
+#[pyo3(from_item_all)]
+pub struct Roles {
+    /// The arguments that are the first results of the step before.
+    state: Vec<usize>,
+    /// The argument of the state from which a solver starts.
+    start: Option<usize>,
+    /// The arguments that have numbers for each step.
+    sequences: Vec<usize>,
+}
+
+impl Roles {
+    /// Returns whether gradients flow through an argument from step to step.
+    fn is_carried(&self, argument: usize) -> bool {
+        self.state.contains(&argument) && self.start != Some(argument)
+    }
+}
+
+/// Returns the key of the rollout of a time step, of whose code this is the key: the results of all
+/// steps, or of the last one. Given the code of the step's products, it is that of the gradients by
+/// the arguments `variables`. `roles` are the roles of the step's arguments: `state`, `start` and
+/// `sequences`.
 #[pyfunction]
 pub fn rollout_code(
     step: i64,
     steps: usize,
     trajectory: bool,
-    sequences: Vec<usize>,
+    roles: Roles,
     reverse: Option<(i64, Vec<usize>)>,
 ) -> PyResult<KeyAndShapes> {
     let mut hasher = DefaultHasher::new();
-    (step, steps, trajectory, &sequences, &reverse).hash(&mut hasher);
+    (step, steps, trajectory, &roles, &reverse).hash(&mut hasher);
     let key = (hasher.finish() >> 1).cast_signed();
     let code_of = |key: i64| find(key).ok_or_else(|| PyValueError::new_err(missing(key)));
     let (code, arrays) = match code_of(step)? {
@@ -486,7 +486,7 @@ pub fn rollout_code(
                 AnyCode::F32(_) => Err(no_step()),
             });
             let (rollout, arrays) =
-                rolled_out(step, steps, trajectory, &sequences, reverse.transpose()?)?;
+                rolled_out(step, steps, trajectory, &roles, reverse.transpose()?)?;
             (AnyCode::F64(ArrayCode::Rollout(rollout, arrays.clone())), arrays)
         }
         AnyCode::F32(step) => {
@@ -495,7 +495,7 @@ pub fn rollout_code(
                 AnyCode::F64(_) => Err(no_step()),
             });
             let (rollout, arrays) =
-                rolled_out(step, steps, trajectory, &sequences, reverse.transpose()?)?;
+                rolled_out(step, steps, trajectory, &roles, reverse.transpose()?)?;
             (AnyCode::F32(ArrayCode::Rollout(rollout, arrays.clone())), arrays)
         }
     };
@@ -514,7 +514,7 @@ fn rolled_out<S: Number>(
     step: &'static ArrayCode<S>,
     steps: usize,
     trajectory: bool,
-    sequences: &[usize],
+    roles: &Roles,
     reverse: Option<(&'static ArrayCode<S>, Vec<usize>)>,
 ) -> PyResult<(Rollout<S>, ArrayShapes)> {
     let function = |code: &'static ArrayCode<S>| match code {
@@ -526,14 +526,17 @@ fn rolled_out<S: Number>(
         .map(|(step, variables)| function(step).map(|step| Reverse { step, variables }))
         .transpose()?;
     let given = step.shapes().inputs();
-    let state = step.shapes().outputs();
-    let fits = given.starts_with(state)
-        && sequences.iter().all(|&k| (state.len()..given.len()).contains(&k))
+    let results = step.shapes().outputs();
+    let Roles { state, start, sequences } = roles;
+    let fits = state.len() <= results.len()
+        && state.iter().zip(results).all(|(&k, result)| given.get(k) == Some(result))
+        && start.is_none_or(|start| state.contains(&start))
+        && sequences.iter().all(|k| *k < given.len() && !state.contains(k))
         && reverse.as_ref().is_none_or(|reverse| {
-            let all =
-                (0..given.len()).filter(|k| *k < state.len() || reverse.variables.contains(k));
-            reverse.step.shapes().outputs().iter().eq(all.map(|k| &given[k]))
-                && *reverse.step.shapes().inputs() == *[given, state].concat()
+            let varies = |k: &usize| roles.is_carried(*k) || reverse.variables.contains(k);
+            let varying = (0..given.len()).filter(varies);
+            reverse.step.shapes().outputs().iter().eq(varying.map(|k| &given[k]))
+                && *reverse.step.shapes().inputs() == *[given, results].concat()
                 && reverse.variables.is_sorted_by(|a, b| a < b)
         });
     if !fits {
@@ -546,14 +549,21 @@ fn rolled_out<S: Number>(
     };
     let mut inputs: Vec<Vec<usize>> = given.iter().zip(&is_sequence).map(input).collect();
     let end = |shape: &Vec<usize>| if trajectory { of_steps(shape) } else { shape.clone() };
-    let mut outputs: Vec<Vec<usize>> = state.iter().map(end).collect();
+    let mut outputs: Vec<Vec<usize>> = results.iter().map(end).collect();
     if let Some(reverse) = &reverse {
         let gradients = reverse.variables.iter().map(|&k| inputs[k].clone()).collect();
         inputs.extend(std::mem::replace(&mut outputs, gradients));
     }
-    let state = state.len();
     let checks = step.shapes().checks().to_vec();
-    let rollout = Rollout { step, state, is_sequence, steps, trajectory, reverse };
+    let rollout = Rollout {
+        step,
+        state: state.clone(),
+        start: *start,
+        is_sequence,
+        steps,
+        trajectory,
+        reverse,
+    };
     Ok((rollout, ArrayShapes::new(inputs, outputs).with_checks(checks)))
 }
 

@@ -1,10 +1,14 @@
 //! Many time steps in one call, and their products with derivatives: the states stay in lanes from
 //! the first step to the last.
 //!
-//! A step is a function of arrays whose first arguments are the state, and so are its results. Of
-//! its other arguments, some have numbers for each step, and the others are the same for all steps.
-//! Backwards, the states of a part of the steps are computed again from the state at the start of
-//! the part, so that few are stored.
+//! A step is a function of arrays whose first results are the state: each is an argument of the next
+//! step. Of the other arguments, some have numbers for each step, and the others are the same for
+//! all steps. Backwards, the states of a part of the steps are computed again from the state at the
+//! start of the part, so that few are stored.
+//!
+//! A step with a solver carries the accelerations, from which the solver of the next step starts.
+//! Its derivatives are those at the solution: backwards, the solver starts from the accelerations of
+//! its own solution, and no gradient flows through the start.
 
 use std::ops::Range;
 
@@ -20,13 +24,16 @@ const MAX_STORED: usize = 128;
 pub struct Rollout<S: Number + 'static> {
     /// The step.
     pub step: &'static StateFunction<S>,
-    /// The arrays of the state.
-    pub state: usize,
+    /// The arguments of the step that are the state, in the order of its first results.
+    pub state: Vec<usize>,
+    /// The argument of the state from which a solver starts.
+    pub start: Option<usize>,
     /// For each argument of the step, whether it has numbers for each step.
     pub is_sequence: Vec<bool>,
     /// The number of steps.
     pub steps: usize,
-    /// Whether the results are the states after all steps, or the state after the last one alone.
+    /// Whether the results are those of all steps, or those of the last one alone, with the largest
+    /// of all steps for numbers that are not of the state.
     pub trajectory: bool,
     /// Products of weights and derivatives, in place of the states.
     pub reverse: Option<Reverse<S>>,
@@ -34,7 +41,8 @@ pub struct Rollout<S: Number + 'static> {
 
 /// The derivatives of a rollout.
 pub struct Reverse<S: Number + 'static> {
-    /// The products of the step with respect to the state and the `variables`.
+    /// The products of the step with respect to the state without the solver's start, and the
+    /// `variables`.
     pub step: &'static StateFunction<S>,
     /// The arguments of the step with respect to which derivatives are taken, in ascending order.
     pub variables: Vec<usize>,
@@ -43,6 +51,8 @@ pub struct Reverse<S: Number + 'static> {
 /// A rollout, ready to be called.
 pub struct Ready<'a, S: Number + 'static> {
     rollout: &'a Rollout<S>,
+    /// The rows of each array of the state among those of the arguments.
+    state_rows: Vec<Range<usize>>,
     step: Kernel<'a, S>,
     reverse: Option<Kernel<'a, S>>,
 }
@@ -55,15 +65,21 @@ impl<S: Number> Rollout<S> {
     /// If the step was not compiled, which no caller can bring about.
     pub fn ready(&self) -> Result<Ready<'_, S>, String> {
         let reverse = self.reverse.as_ref().map(|reverse| reverse.step.kernel()).transpose()?;
-        Ok(Ready { rollout: self, step: self.step.kernel()?, reverse })
+        let [arguments, _] = self.step.shapes().lengths();
+        let state_rows = self.state.iter().map(|&k| {
+            let first: usize = arguments[..k].iter().sum();
+            first..first + arguments[k]
+        });
+        let state_rows = state_rows.collect();
+        Ok(Ready { rollout: self, state_rows, step: self.step.kernel()?, reverse })
     }
 }
 
 /// The memory of a group of motions, with a motion in each lane.
 struct Memory<'p, S> {
-    /// The arguments of a step, the state first; backwards, then the weights of the state.
+    /// The arguments of a step; backwards, then the weights of the results.
     numbers: Vec<S>,
-    /// The state after the step.
+    /// The results of the step, the state first.
     next: Vec<S>,
     lanes: usize,
     questions: Questions<'p>,
@@ -97,12 +113,11 @@ impl<S: Number> Ready<'_, S> {
         lanes: usize,
         pool: &dyn Pool,
     ) {
-        let arguments = self.arguments();
-        let state: usize = self.state_lengths().iter().sum();
-        let weights = if self.reverse.is_some() { state } else { 0 };
-        let count = arguments.iter().sum::<usize>() + weights;
+        let results: usize = self.results().iter().sum();
+        let weights = if self.reverse.is_some() { results } else { 0 };
+        let count = self.arguments().iter().sum::<usize>() + weights;
         let numbers = vec![S::zero(); count * lanes];
-        let next = vec![S::zero(); state * lanes];
+        let next = vec![S::zero(); results * lanes];
         let mut memory = Memory { numbers, next, lanes, questions: Questions::new(pool) };
         for first in motions.clone().step_by(lanes) {
             let group = first..first + lanes;
@@ -125,9 +140,41 @@ impl<S: Number> Ready<'_, S> {
         arguments
     }
 
-    /// Returns the numbers of each array of the state.
-    fn state_lengths(&self) -> &[usize] {
-        &self.arguments()[..self.rollout.state]
+    /// Returns the numbers of each result of the step.
+    fn results(&self) -> &[usize] {
+        let [_, results] = self.rollout.step.shapes().lengths();
+        results
+    }
+
+    /// Returns the numbers of the state.
+    fn state_length(&self) -> usize {
+        self.state_rows.iter().map(Range::len).sum()
+    }
+
+    /// Copies the state, in the order of the results, to the arguments.
+    fn restore(&self, state: &[S], numbers: &mut [S], lanes: usize) {
+        let mut rest = state;
+        for rows in &self.state_rows {
+            let array;
+            (array, rest) = rest.split_at(rows.len() * lanes);
+            numbers[rows.start * lanes..rows.end * lanes].copy_from_slice(array);
+        }
+    }
+
+    /// Copies the state among the arguments to `state`, in the order of the results.
+    fn save(&self, numbers: &[S], state: &mut [S], lanes: usize) {
+        let mut rest = state;
+        for rows in &self.state_rows {
+            let array;
+            (array, rest) = rest.split_at_mut(rows.len() * lanes);
+            array.copy_from_slice(&numbers[rows.start * lanes..rows.end * lanes]);
+        }
+    }
+
+    /// Returns whether a result is a number that is not of the state, such as a residual.
+    fn is_number(&self, result: usize) -> bool {
+        result >= self.rollout.state.len()
+            && self.rollout.step.shapes().outputs()[result].is_empty()
     }
 
     /// Reads the arguments that are sequences at a step, or those that are not.
@@ -151,7 +198,7 @@ impl<S: Number> Ready<'_, S> {
         }
     }
 
-    /// Does a step from the state at the start of the numbers.
+    /// Does a step from the state among the arguments.
     fn advance(
         &self,
         arrays: &Arrays<'_, S>,
@@ -163,7 +210,7 @@ impl<S: Number> Ready<'_, S> {
         let Memory { numbers, next, lanes, .. } = memory;
         let arguments: usize = self.arguments().iter().sum();
         self.step.run(&numbers[..arguments * *lanes], next, *lanes);
-        numbers[..next.len()].copy_from_slice(next);
+        self.restore(&next[..self.state_length() * *lanes], numbers, *lanes);
     }
 
     fn forward(
@@ -174,28 +221,60 @@ impl<S: Number> Ready<'_, S> {
         memory: &mut Memory<'_, S>,
     ) {
         let Rollout { steps, trajectory, .. } = *self.rollout;
+        let mut largest = vec![S::zero(); memory.next.len()];
         for step in 0..steps {
             self.advance(arrays, group, step, memory);
             if memory.must_end(&self.step) {
                 return;
             }
+            if !trajectory {
+                self.keep_largest(&mut largest, memory);
+            }
             if trajectory || step + 1 == steps {
-                let mut rest = &*memory.next;
-                for (k, &length) in self.state_lengths().iter().enumerate() {
-                    let rows;
-                    (rows, rest) = rest.split_at(length * memory.lanes);
-                    let at = if trajectory { step * length } else { 0 };
-                    arrays.scatter(k, group, at, rows, end);
-                }
+                self.write(arrays, group, if trajectory { step } else { 0 }, end, memory);
             }
         }
         if steps == 0 && !trajectory {
-            let mut rest = &*memory.numbers;
-            for (k, &length) in self.state_lengths().iter().enumerate() {
-                let rows;
-                (rows, rest) = rest.split_at(length * memory.lanes);
-                arrays.scatter(k, group, 0, rows, end);
+            let Memory { numbers, next, lanes, .. } = memory;
+            self.save(numbers, &mut next[..self.state_length() * *lanes], *lanes);
+            self.write(arrays, group, 0, end, memory);
+        }
+    }
+
+    /// Replaces each number of the results that is not of the state by the largest of the steps so
+    /// far. NaN stays NaN.
+    fn keep_largest(&self, largest: &mut [S], memory: &mut Memory<'_, S>) {
+        let mut row = 0;
+        for (k, &length) in self.results().iter().enumerate() {
+            let rows = row * memory.lanes..(row + length) * memory.lanes;
+            row += length;
+            if self.is_number(k) {
+                let numbers = memory.next[rows.clone()].iter_mut();
+                for (now, last) in numbers.zip(&mut largest[rows]) {
+                    let last_is_nan = (*last).into().is_nan();
+                    if last_is_nan || *last > *now {
+                        *now = *last;
+                    }
+                    *last = *now;
+                }
             }
+        }
+    }
+
+    /// Writes the results of a step.
+    fn write(
+        &self,
+        arrays: &Arrays<'_, S>,
+        group: &Range<usize>,
+        step: usize,
+        end: usize,
+        memory: &Memory<'_, S>,
+    ) {
+        let mut rest = &*memory.next;
+        for (k, &length) in self.results().iter().enumerate() {
+            let rows;
+            (rows, rest) = rest.split_at(length * memory.lanes);
+            arrays.scatter(k, group, step * length, rows, end);
         }
     }
 
@@ -208,17 +287,16 @@ impl<S: Number> Ready<'_, S> {
         reverse: &Reverse<S>,
         memory: &mut Memory<'_, S>,
     ) {
-        let Rollout { steps, trajectory, .. } = *self.rollout;
+        let Rollout { steps, trajectory, start, .. } = *self.rollout;
         let lanes = memory.lanes;
-        let arguments = self.arguments();
-        let state = memory.next.len();
-        let weights = memory.numbers.len() - state;
+        let state = self.state_length() * lanes;
+        let weights = memory.numbers.len() - memory.next.len();
         // The first state of each part, then the states of one part.
         let part = if steps <= MAX_STORED { steps.max(1) } else { steps.isqrt() + 1 };
         let parts = steps.div_ceil(part);
         let mut starts = vec![S::zero(); parts * state];
-        for (k, start) in starts.chunks_exact_mut(state.max(1)).enumerate() {
-            start.copy_from_slice(&memory.numbers[..state]);
+        for (k, first) in starts.chunks_exact_mut(state.max(1)).enumerate() {
+            self.save(&memory.numbers, first, lanes);
             if k + 1 < parts {
                 for step in k * part..(k + 1) * part {
                     self.advance(arrays, group, step, memory);
@@ -228,21 +306,22 @@ impl<S: Number> Ready<'_, S> {
                 }
             }
         }
-        let mut states = vec![S::zero(); part * state];
+        let mut states = vec![S::zero(); (part + 1) * state];
         let results: usize = reverse.step.shapes().lengths()[1].iter().sum();
         let mut gradient = vec![S::zero(); results * lanes];
         // The sums of the gradients by arguments that are the same for all steps.
         let mut sums = vec![S::zero(); results * lanes];
         memory.numbers[weights..].fill(S::zero());
-        let add = |place: &mut S, number: S| *place = *place + number;
         for k in (0..parts).rev() {
             let part_steps = k * part..((k + 1) * part).min(steps);
-            memory.numbers[..state].copy_from_slice(&starts[k * state..][..state]);
+            self.restore(&starts[k * state..][..state], &mut memory.numbers, lanes);
             for step in part_steps.clone() {
-                states[(step - part_steps.start) * state..][..state]
-                    .copy_from_slice(&memory.numbers[..state]);
-                if step + 1 < part_steps.end {
+                let at = (step - part_steps.start) * state;
+                self.save(&memory.numbers, &mut states[at..][..state], lanes);
+                // The derivatives of a solver are those at the solution of the last step, too.
+                if step + 1 < part_steps.end || start.is_some() {
                     self.advance(arrays, group, step, memory);
+                    self.save(&memory.numbers, &mut states[at + state..][..state], lanes);
                 }
                 if memory.must_end(&self.step) {
                     return;
@@ -250,36 +329,81 @@ impl<S: Number> Ready<'_, S> {
             }
             for step in part_steps.clone().rev() {
                 if trajectory || step + 1 == steps {
-                    let mut row = weights;
-                    for (j, &length) in self.state_lengths().iter().enumerate() {
-                        let at = if trajectory { step * length } else { 0 };
-                        let rows = &mut memory.numbers[row..row + length * lanes];
-                        arrays.gather(arguments.len() + j, group, at, rows, add);
-                        row += length * lanes;
-                    }
+                    self.add_weights(arrays, group, if trajectory { step } else { 0 }, memory);
                 }
-                memory.numbers[..state]
-                    .copy_from_slice(&states[(step - part_steps.start) * state..][..state]);
+                let at = (step - part_steps.start) * state;
+                self.restore(&states[at..][..state], &mut memory.numbers, lanes);
+                if let Some(start) = start {
+                    self.start_from(&states[at + state..][..state], start, memory);
+                }
                 self.read(arrays, group, Some(step), memory);
                 kernel.run(&memory.numbers, &mut gradient, lanes);
                 if memory.must_end(kernel) {
                     return;
                 }
-                memory.numbers[weights..].copy_from_slice(&gradient[..state]);
+                self.carry_back(reverse, &gradient, &mut memory.numbers[weights..], lanes);
                 self.collect(arrays, (group, end), step, (reverse, &gradient, &mut sums), lanes);
             }
         }
         // Without a step, the weights of the last state are those of the first.
         if steps == 0 && !trajectory {
-            let mut row = weights;
-            for (j, &length) in self.state_lengths().iter().enumerate() {
-                let rows = &mut memory.numbers[row..row + length * lanes];
-                arrays.gather(arguments.len() + j, group, 0, rows, add);
-                row += length * lanes;
+            self.add_weights(arrays, group, 0, memory);
+        }
+        for (k, _, rows) in self.variables(reverse) {
+            if let Some(first) = self.first_row(k) {
+                let own_rows = rows.start * lanes..rows.end * lanes;
+                let weights = &memory.numbers[weights + first * lanes..][..own_rows.len()];
+                sums[own_rows].copy_from_slice(weights);
             }
         }
-        sums[..state].copy_from_slice(&memory.numbers[weights..]);
         self.finish(arrays, group, end, reverse, &sums, lanes);
+    }
+
+    /// Returns the first row, among those of the results, of an argument that is of the state.
+    fn first_row(&self, argument: usize) -> Option<usize> {
+        let at = self.rollout.state.iter().position(|&k| k == argument)?;
+        Some(self.results()[..at].iter().sum())
+    }
+
+    /// Sets the argument from which the solver starts to its numbers in a state.
+    fn start_from(&self, state: &[S], start: usize, memory: &mut Memory<'_, S>) {
+        let lanes = memory.lanes;
+        let at = self.rollout.state.iter().position(|&k| k == start);
+        if let (Some(at), Some(first)) = (at, self.first_row(start)) {
+            let rows = &self.state_rows[at];
+            memory.numbers[rows.start * lanes..rows.end * lanes]
+                .copy_from_slice(&state[first * lanes..][..rows.len() * lanes]);
+        }
+    }
+
+    /// Adds the weights of the results of a step to those of the numbers.
+    fn add_weights(
+        &self,
+        arrays: &Arrays<'_, S>,
+        group: &Range<usize>,
+        step: usize,
+        memory: &mut Memory<'_, S>,
+    ) {
+        let lanes = memory.lanes;
+        let arguments = self.arguments().len();
+        let mut row = memory.numbers.len() - memory.next.len();
+        for (j, &length) in self.results().iter().enumerate() {
+            let rows = &mut memory.numbers[row..row + length * lanes];
+            row += length * lanes;
+            let add = |place: &mut S, number: S| *place = *place + number;
+            arrays.gather(arguments + j, group, step * length, rows, add);
+        }
+    }
+
+    /// Sets the weights of the results of the step before to the gradient by the state.
+    fn carry_back(&self, reverse: &Reverse<S>, gradient: &[S], weights: &mut [S], lanes: usize) {
+        weights.fill(S::zero());
+        for (k, _, rows) in self.variables(reverse) {
+            if let Some(first) = self.first_row(k) {
+                let gradient = &gradient[rows.start * lanes..rows.end * lanes];
+                weights[first * lanes..][..gradient.len()].copy_from_slice(gradient);
+            }
+        }
     }
 
     /// Returns each variable with its index among the results, or `None` if it is no result, and
@@ -289,7 +413,9 @@ impl<S: Number> Ready<'_, S> {
         reverse: &'v Reverse<S>,
     ) -> impl Iterator<Item = (usize, Option<usize>, Range<usize>)> + 'v {
         let arguments = self.arguments();
-        let varies = |k: &usize| *k < self.rollout.state || reverse.variables.contains(k);
+        let Rollout { state, start, .. } = self.rollout;
+        let is_carried = |k: &usize| state.contains(k) && *start != Some(*k);
+        let varies = move |k: &usize| is_carried(k) || reverse.variables.contains(k);
         let mut row = 0;
         (0..arguments.len()).filter(varies).map(move |k| {
             let rows = row..row + arguments[k];
@@ -315,7 +441,7 @@ impl<S: Number> Ready<'_, S> {
                     let at = step * rows.len();
                     arrays.scatter(result, group, at, &gradient[own_rows], end);
                 }
-                Some(_) if k >= self.rollout.state => {
+                Some(_) if self.first_row(k).is_none() => {
                     let sums = sums[own_rows.clone()].iter_mut();
                     sums.zip(&gradient[own_rows]).for_each(|(sum, &x)| *sum = *sum + x);
                 }

@@ -119,10 +119,13 @@ pub fn shapes(robot: &Robot, function: &EntryFunction) -> Result<ArrayShapes, St
     let nq = sizes.nq;
     let nv = sizes.nv;
     if function.feedback || function.cost {
-        let is_step = row.arguments.iter().map(|argument| argument.name);
-        if !is_step.eq(["q", "qd", "tau", "dt"]) {
-            let name = function.function.name();
+        let name = function.function.name();
+        let names: Vec<&str> = row.arguments.iter().map(|argument| argument.name).collect();
+        if !names.starts_with(&["q", "qd", "tau", "dt"]) {
             return Err(format!("`{name}` is no time step, so it has no feedback and no cost"));
+        }
+        if function.cost && row.has_solver {
+            return Err(format!("`{name}` has no cost: compute it from the states"));
         }
     }
     let of_arguments = row.arguments.iter().enumerate().filter_map(|(k, argument)| {
