@@ -295,7 +295,7 @@ pub(super) enum StepForm {
     /// The function of a robot.
     Robot,
     /// A function of arrays of plain numbers, which scales quaternions to length 1 first. With
-    /// `feedback`, its arguments are those of [`EntryFunction`](super::entries::EntryFunction).
+    /// `feedback`, it has the arguments of [`EntryFunction`](super::entries::EntryFunction).
     Entries { feedback: bool },
 }
 

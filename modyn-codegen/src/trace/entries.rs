@@ -162,8 +162,8 @@ impl Tracer<'_> {
         all.with_outputs(&[&next, &after])
     }
 
-    /// Returns a step with soft constraints whose forces are those of a feedback, as
-    /// [`with_extras`](Self::with_extras) adds it: `gains`, `q_ref` and `qd_ref` are inputs after
+    /// Returns a step with soft constraints and a feedback, which
+    /// [`with_extras`](Self::with_extras) describes: `gains`, `q_ref` and `qd_ref` are inputs after
     /// the settings.
     #[must_use]
     pub fn step_with_feedback(&self, step: StepGraph, difference: &Graph) -> StepGraph {

@@ -59,7 +59,7 @@ pub struct Part {
 }
 
 impl StepGraph {
-    /// Returns the number of arguments: the inputs before those of the parts.
+    /// Returns the number of arguments: the inputs before the inputs of the parts.
     #[must_use]
     pub fn arguments(&self) -> usize {
         self.solvers[0].advance.inputs.start

@@ -126,8 +126,8 @@ def rollout_code(
     reverse: tuple[int, Sequence[int]] | None,
 ) -> tuple[int, list[list[int]], list[list[int]]]:
     """Returns the key of the rollout of a time step, of whose code this is the key, and the shapes of its arrays: the results of
-    all steps, or of the last one. Given the code of the step's products, it is that of the gradients by the arguments
-    `variables`. `roles` are the roles of the step's arguments: `state`, `start` and `sequences`."""
+    all steps, or of the last one. Given the code of the step's products, the rollout returns the gradients with respect to the
+    arguments `variables`. `roles` are the roles of the step's arguments: `state`, `start` and `sequences`."""
 
 def xla_handler() -> int:
     """Returns the address of XLA's handler of all functions of arrays."""
@@ -382,10 +382,10 @@ class Robot:
     ) -> StepDerivatives:
         """Returns the state after a `step`, and its derivatives A with respect to the state and B with respect to the joint
         forces, as `step_semi_implicit_derivatives` does for a step without contacts: in tangent space, displacements in the
-        axes before and after the step. They are those of the solution, by the implicit function theorem; where a contact
-        opens or closes, or a point begins to slide, they are those of one side.
+        axes before and after the step. They follow from the implicit function theorem at the solution; where a contact opens
+        or closes, or a point begins to slide, they are one-sided.
 
-        Arguments: those of `step`.
+        Arguments: as of `step`.
         Result: `StepDerivatives`.
         """
     def simulate(
@@ -404,9 +404,9 @@ class Robot:
         step is `rollout`.
 
         Arguments: `policy`: a function that returns tau: (nv,); `q`: (nq,); `qd`: (nv,); `dt`: (); `steps`: the number of
-        steps; `settings` and `ground` as in `rollout`. Leading axes of `q` and `qd` are those of motions, which `policy` gets,
+        steps; `settings` and `ground` as in `rollout`. Leading axes of `q` and `qd` are axes of motions, which `policy` gets,
         too.
-        Result: `StepSolution`, with an axis of steps after those of motions.
+        Result: `StepSolution`, with an axis of steps after the axes of motions.
         """
     def rollout(
         self,

@@ -1,5 +1,5 @@
-//! A step on a height field as a function of arrays, and its derivatives: the planes of the touching
-//! shapes' surfaces are those of the field below the shapes, then the step runs.
+//! A step on a height field as a function of arrays, and its derivatives: before the step, the plane
+//! of each touching shape's surface becomes the plane of the field below the shape.
 //!
 //! The planes do not depend on the coordinates in derivatives: each is held where it is in the step.
 
@@ -19,7 +19,7 @@ use crate::robot::Robot;
 /// The index of the settings among the arguments of `step`.
 const SETTINGS: usize = 5;
 
-/// The numbers of a pose, the first ones of a surface: those of its plane.
+/// The numbers of a pose. The plane of a surface is its first numbers.
 const POSE: usize = 12;
 
 /// The numbers of a `HeightField`.
@@ -172,7 +172,7 @@ impl<S: Number> ReadyStep<'_, S> {
         (0..self.function.centers.len()).map(move |shape| first(shape)..first(shape) + POSE)
     }
 
-    /// Sets the planes of the settings to those of the field below the shapes.
+    /// Sets the planes of the settings to the planes of the field below the shapes.
     fn set_planes(&self, numbers: &mut [S], lanes: usize) {
         let FieldStep { field, centers, .. } = self.function;
         let [inputs, _] = self.function.shapes().lengths();

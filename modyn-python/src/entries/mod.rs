@@ -304,11 +304,11 @@ impl Robot {
 
     /// Returns the state after a `step`, and its derivatives A with respect to the state and B with
     /// respect to the joint forces, as `step_semi_implicit_derivatives` does for a step without
-    /// contacts: in tangent space, displacements in the axes before and after the step. They are
-    /// those of the solution, by the implicit function theorem; where a contact opens or closes, or a
-    /// point begins to slide, they are those of one side.
+    /// contacts: in tangent space, displacements in the axes before and after the step. They
+    /// follow from the implicit function theorem at the solution; where a contact opens or closes, or
+    /// a point begins to slide, they are one-sided.
     ///
-    /// Arguments: those of `step`. Result: `StepDerivatives`.
+    /// Arguments: as of `step`. Result: `StepDerivatives`.
     #[pyo3(signature = (q, qd, tau, dt, warm_start=None, settings=None))]
     #[allow(clippy::too_many_arguments)]
     fn step_derivatives<'py>(
@@ -333,8 +333,8 @@ impl Robot {
     ///
     /// Arguments: `policy`: a function that returns tau: (nv,); `q`: (nq,); `qd`: (nv,); `dt`: ();
     /// `steps`: the number of steps; `settings` and `ground` as in `rollout`. Leading axes of `q` and
-    /// `qd` are those of motions, which `policy` gets, too. Result: `StepSolution`, with an axis of
-    /// steps after those of motions.
+    /// `qd` are axes of motions, which `policy` gets, too. Result: `StepSolution`, with an axis of
+    /// steps after the axes of motions.
     #[pyo3(signature = (policy, q, qd, dt, steps, settings=None, *, ground=None))]
     #[allow(clippy::too_many_arguments)]
     fn simulate<'py>(
@@ -410,10 +410,10 @@ impl Robot {
         let [ArrayCode::Function(step), ArrayCode::Function(poses)] = codes else {
             return Err(no_step());
         };
-        let own = FieldStep::new(self, [step, poses], field, derivative);
-        let own = own.map_err(|error| PyValueError::new_err(error.to_string()))?;
-        let shapes = own.shapes().clone();
-        Ok(ArrayCode::Function(StateFunction::of_own_code(own, shapes)))
+        let step = FieldStep::new(self, [step, poses], field, derivative)
+            .map_err(|error| PyValueError::new_err(error.to_string()))?;
+        let shapes = step.shapes().clone();
+        Ok(ArrayCode::Function(StateFunction::of_own_code(step, shapes)))
     }
 
     /// Compiles a function of arrays, unless there is the same code already, and returns its key.
@@ -464,8 +464,8 @@ impl Roles {
 }
 
 /// Returns the key of the rollout of a time step, of whose code this is the key: the results of all
-/// steps, or of the last one. Given the code of the step's products, it is that of the gradients by
-/// the arguments `variables`. `roles` are the roles of the step's arguments: `state`, `start` and
+/// steps, or of the last one. Given the code of the step's products, the rollout returns the
+/// gradients with respect to the arguments `variables`. `roles` are the roles of the step's arguments: `state`, `start` and
 /// `sequences`.
 #[pyfunction]
 pub fn rollout_code(

@@ -32,8 +32,8 @@ pub struct Rollout<S: Number + 'static> {
     pub is_sequence: Vec<bool>,
     /// The number of steps.
     pub steps: usize,
-    /// Whether the results are those of all steps, or those of the last one alone, with the largest
-    /// of all steps for numbers that are not of the state.
+    /// Whether there are results of all steps, or only of the last one, with the largest of all
+    /// steps for numbers that are not of the state.
     pub trajectory: bool,
     /// Products of weights and derivatives, in place of the states.
     pub reverse: Option<Reverse<S>>,
@@ -51,7 +51,7 @@ pub struct Reverse<S: Number + 'static> {
 /// A rollout, ready to be called.
 pub struct Ready<'a, S: Number + 'static> {
     rollout: &'a Rollout<S>,
-    /// The rows of each array of the state among those of the arguments.
+    /// The rows of each array of the state among the rows of the arguments.
     state_rows: Vec<Range<usize>>,
     step: Kernel<'a, S>,
     reverse: Option<Kernel<'a, S>>,
@@ -359,7 +359,7 @@ impl<S: Number> Ready<'_, S> {
         self.finish(arrays, group, end, reverse, &sums, lanes);
     }
 
-    /// Returns the first row, among those of the results, of an argument that is of the state.
+    /// Returns the first row, among the rows of the results, of an argument of the state.
     fn first_row(&self, argument: usize) -> Option<usize> {
         let at = self.rollout.state.iter().position(|&k| k == argument)?;
         Some(self.results()[..at].iter().sum())
@@ -376,7 +376,7 @@ impl<S: Number> Ready<'_, S> {
         }
     }
 
-    /// Adds the weights of the results of a step to those of the numbers.
+    /// Adds the weights of the results of a step to the weights among the numbers.
     fn add_weights(
         &self,
         arrays: &Arrays<'_, S>,
