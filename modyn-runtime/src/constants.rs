@@ -19,6 +19,15 @@ pub struct KinematicModule {
     pub dofs: usize,
 }
 
+/// The centre of a shape that touches the ground in a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ShapeCenter {
+    /// The index of the link that carries the shape.
+    pub link: usize,
+    /// The place in the link's frame, m.
+    pub place: [f64; 3],
+}
+
 /// The limits of a robot's joints; infinite without a limit in the description. The position and
 /// velocity limits of mimic joints are included as limits of their leaders.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -78,7 +78,7 @@ pub use interpreter::{
 pub use crate::nalgebra::Nalgebra;
 pub use batch::BatchError;
 pub use configuration::ConfigurationError;
-pub use constants::{JointLimits, KinematicModule, OperationCount};
+pub use constants::{JointLimits, KinematicModule, OperationCount, ShapeCenter};
 pub use constraint_settings::{ConstraintSettings, ContactSet, ContactTarget};
 #[doc(hidden)]
 pub use float::{ELEMENTARY_F32, ELEMENTARY_F64, ElementaryNumbers};

@@ -10,7 +10,7 @@ mod types;
 
 use crate::Scalar;
 use crate::configuration::{self, ConfigurationError};
-use crate::constants::{JointLimits, KinematicModule};
+use crate::constants::{JointLimits, KinematicModule, ShapeCenter};
 use crate::constraint_settings::{ConstraintSettings, ContactSet, ContactTarget};
 use crate::quantities::table;
 use crate::results::{
@@ -35,6 +35,10 @@ pub use {
 
 /// The settings of the constraints of robot `R`.
 pub(crate) type Settings<R, T> = ConstraintSettings<T, <R as Robot>::PerContact<ContactTarget<T>>>;
+
+/// The settings of steps of robot `R`.
+pub(crate) type SurfaceSettings<R, T> =
+    StepSettings<T, <R as Robot>::PerTouchingShape<ContactSurface<T>>>;
 
 /// A generated robot, over any scalar.
 ///
@@ -87,6 +91,8 @@ pub trait Robot {
     /// The names of the shapes that touch the ground in a step: the contacts, or the shapes of the
     /// description.
     const TOUCHING_SHAPE_NAMES: &'static [&'static str] = &[];
+    /// The centre of each of these shapes.
+    const TOUCHING_SHAPE_CENTERS: &'static [ShapeCenter] = &[];
     /// The names of the controls: of the actuators.
     const CONTROL_NAMES: &'static [&'static str] = &[];
     /// The names of the activations: of the actuators that have a state.

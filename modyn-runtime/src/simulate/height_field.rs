@@ -1,11 +1,11 @@
 //! Ground whose height is given on a grid.
 
-use crate::robot::Settings;
+use crate::robot::SurfaceSettings;
 use crate::scalar::positive;
 use crate::setting_range::{SettingError, SettingPlace, SettingRange};
 use crate::solve::Decide;
 use crate::spatial::{Matrix3, Pose, Vector3};
-use crate::{Array, Robot, functions};
+use crate::{Robot, ShapeCenter, functions};
 
 /// Ground whose height is given on a grid in the xy plane of the world, and interpolated
 /// bilinearly. Beyond the grid the ground goes on level at the height of the border.
@@ -121,27 +121,22 @@ impl<'a, T: Decide + Into<f64>> HeightField<'a, T> {
         Cell { first, part: bounded, slope }
     }
 
-    /// Returns `settings` with the plane below each contact of a robot at the coordinates `q` as
-    /// its target.
+    /// Returns `settings` with the plane below the centre of each shape that touches the ground, for a
+    /// step from the coordinates `q` on.
     #[must_use]
-    pub fn under<R>(&self, q: &R::Q<T>, settings: &Settings<R, T>) -> Settings<R, T>
+    pub fn under<R>(&self, q: &R::Q<T>, settings: &SurfaceSettings<R, T>) -> SurfaceSettings<R, T>
     where
-        R: Robot + functions::ConstraintResidual,
+        R: Robot + functions::LinkPoses,
     {
-        // The displacements from the world's origin are the places of the contacts.
-        let mut places = *settings;
-        for target in places.contacts.as_mut() {
-            (target.pose, target.tangential) = (Pose::identity(), T::one());
-        }
-        let rest = R::V::<T>::from_fn(|_| T::zero());
-        let displacements = R::constraint_residual(q, &rest, &places).displacements;
-        // Loop constraints come first.
-        let loops = R::PerConstraint::<()>::LEN - R::PerContact::<()>::LEN;
+        let poses = R::link_poses(q);
         let mut settings = *settings;
-        for (target, place) in
-            settings.contacts.as_mut().iter_mut().zip(&displacements.as_ref()[loops..])
+        let centers = R::TOUCHING_SHAPE_CENTERS;
+        for (surface, ShapeCenter { link, place }) in
+            settings.contacts.as_mut().iter_mut().zip(centers)
         {
-            target.pose = self.plane([place.linear[0], place.linear[1]]);
+            let Pose { rotation, translation } = poses.as_ref()[*link];
+            let center = Matrix3(rotation).mul_vector(Vector3(place.map(T::from_f64)));
+            surface.plane = self.plane([center[0] + translation[0], center[1] + translation[1]]);
         }
         settings
     }

@@ -24,6 +24,7 @@
 //! [`rollout::rollout`] moves many motions over many time steps, with the accelerations of a batch
 //! function.
 //!
+//! [`State::step`] is a step with contacts, joint limits and dry joint friction by MuJoCo's law.
 //! [`State::step_on_ground`] is a step with unilateral contacts, friction and joint stops.
 //! [`SpringGround`] is the simple alternative: a force for each point, for
 //! [`State::semi_implicit_euler`].
@@ -34,11 +35,13 @@ mod ground;
 mod height_field;
 pub mod impulses;
 pub mod rollout;
+mod step;
 
 pub use crate::solve::{ContactMode, Effort, Residual};
 pub use ground::{GroundImpulses, GroundStep, SpringGround, limit_effort};
 pub use height_field::HeightField;
 pub use impulses::Ground;
+pub use step::SolvedStep;
 
 use core::fmt;
 

@@ -1,6 +1,7 @@
 //! The macro reads MuJoCo's models: the generated robot equals the reader's model of the same text.
 
 use modyn::EmbeddedModel;
+use modyn::simulate::{HeightField, State};
 use modyn_codegen::{ReadOptions, read};
 use modyn_runtime::equations::derivatives::ForwardDerivatives;
 use modyn_runtime::quantities::Function;
@@ -18,8 +19,45 @@ modyn::modyn! {
 
 modyn::modyn! {
     Standing = "../../../modyn-read/tests/mjcf/floor.xml",
-    functions = [step],
+    functions = [step, link_poses],
     embed_model = true,
+}
+
+/// On a height field that is a ramp, steps are the steps on its plane.
+#[test]
+fn steps_on_a_ramp_are_steps_on_its_plane() {
+    let heights = [[-0.7_f64, 0.1], [-0.5, 0.3], [-0.3, 0.5]].as_flattened();
+    let field = HeightField::new([-4.0, -2.0], [8.0, 2.0], 2, heights).expect("a grid");
+    let settings = Standing::model().step_settings();
+    let contacts: [ContactSurface<f64>; 3] = settings.contacts.try_into().expect("three");
+    let settings = StepSettings { tolerance: 1e-12, impratio: settings.impratio, contacts };
+    let mut q = Standing::NEUTRAL;
+    (q[0], q[1], q[2]) = (0.3, -0.4, 0.6);
+    let start = State::<Standing>::at_rest(q);
+    let below = field.plane([q[0], q[1]]);
+    let mut on_plane = settings;
+    for surface in &mut on_plane.contacts {
+        surface.plane = below;
+    }
+    let tau = [0.0; Standing::NV];
+    let mut step = start.step(0.002, &tau, &on_plane);
+    let mut on_field = start.step(0.002, &tau, &field.under::<Standing>(&q, &settings));
+    for _ in 0..400 {
+        step = step.step(0.002, &tau, &on_plane);
+        let under = field.under::<Standing>(&on_field.state.q, &settings);
+        on_field = on_field.step(0.002, &tau, &under);
+        assert!(on_field.residual <= 1e-12);
+    }
+    assert!(step.forces.iter().any(|force| force[2] > 1.0) && step.state.q[2] < 0.3);
+    let pairs = step.state.q.iter().zip(&on_field.state.q);
+    for (a, b) in pairs.chain(step.state.qd.iter().zip(&on_field.state.qd)) {
+        assert!((a - b).abs() < 1e-6, "{a} is not {b}");
+    }
+    // The solver starts from the accelerations of the last step.
+    let State { q, qd } = step.state;
+    let next = step.step(0.002, &tau, &on_plane);
+    let expected = Standing::step(&q, &qd, &tau, 0.002, &step.qdd, &on_plane);
+    assert_eq!((next.state.q, next.iterations), (expected.q, expected.iterations));
 }
 
 /// What touches the ground is in the embedded model, in the constants and in the step.

@@ -2,7 +2,8 @@
 
 use std::fmt::Write as _;
 
-use modyn_runtime::model::PARAMETERS_PER_LINK;
+use modyn_runtime::ShapeCenter;
+use modyn_runtime::model::{PARAMETERS_PER_LINK, TouchingShape};
 
 use super::Robot;
 use super::quantity::Quantity;
@@ -27,6 +28,17 @@ impl Robot<'_> {
             + &names(sizes.touching_shapes, "TOUCHING_SHAPE_NAMES")
             + &names(sizes.controls, "CONTROL_NAMES")
             + &names(sizes.activations, "ACTIVATION_NAMES");
+        let shapes = self.model.touching_shapes();
+        let centers = shapes.iter().map(|TouchingShape { end, .. }| {
+            let center = ShapeCenter { link: end.frame, place: end.pose.translation };
+            format!("__modyn::{center:?}, ")
+        });
+        let centers = match centers.collect::<String>() {
+            centers if centers.is_empty() => String::new(),
+            centers => format!(
+                "const TOUCHING_SHAPE_CENTERS: &'static [__modyn::ShapeCenter] = &[{centers}];\n"
+            ),
+        };
         let params =
             if self.plan.parameters.is_empty() { "()".into() } else { format!("{name}Params<T>") };
         let brge = if self.factorizes() {
@@ -45,6 +57,7 @@ impl Robot<'_> {
              const COORDINATE_NAMES: &'static [&'static str] = &Self::COORDINATE_NAMES;\n\
              const VELOCITY_NAMES: &'static [&'static str] = &Self::VELOCITY_NAMES;\n\
              {constraint_names}\
+             {centers}\
              const QUATERNIONS: &'static [(&'static str, usize)] = &Self::QUATERNIONS;\n\
              const LIMITS: __modyn::JointLimits<'static> = Self::LIMITS;\n\
              const MODULES: &'static [__modyn::KinematicModule] = &Self::MODULES;\n\
