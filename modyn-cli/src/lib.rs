@@ -16,9 +16,11 @@
 
 #[cfg(feature = "command")]
 mod command;
+#[cfg(feature = "picture")]
+pub mod contact_steps;
 mod escape;
 #[cfg(feature = "picture")]
-pub mod impulses;
+pub mod loops;
 #[cfg(feature = "picture")]
 pub mod picture;
 #[cfg(feature = "picture")]

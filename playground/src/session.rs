@@ -2,7 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use modyn_cli::impulses::closed_start;
+use modyn_cli::contact_steps::GroundPoint;
+use modyn_cli::loops::closed_start;
 use modyn_cli::picture::{Sparsity, draw};
 use modyn_cli::report::{render, verdict};
 use modyn_cli::viewer::Scene;
@@ -148,7 +149,8 @@ impl Session {
 
     fn moved(&self) -> Answer {
         let motion = self.motion.as_ref().ok_or("the motion has not been started")?;
-        let forces = (!motion.forces.is_empty()).then(|| motion.forces.as_flattened());
+        let numbers = || motion.points.iter().flat_map(GroundPoint::numbers).collect::<Vec<_>>();
+        let forces = (!motion.points.is_empty()).then(numbers);
         Ok(json!({ "q": motion.q, "time": motion.time, "forces": forces }))
     }
 

@@ -55,9 +55,9 @@ pub struct Motion {
     pub times: Vec<f64>,
     /// The coordinates at each time.
     pub coordinates: Vec<Vec<f64>>,
-    /// The force of each contact of the model at each time, N, in world axes; `None` if they are
-    /// not known.
-    pub forces: Option<Vec<Vec<[f64; 3]>>>,
+    /// The places of points that touch the ground, m, and the force on each, N, at each time, in
+    /// world axes; `None` if they are not known.
+    pub forces: Option<Vec<Vec<[f64; 6]>>>,
 }
 
 impl Scene {
@@ -78,8 +78,8 @@ impl Scene {
     ///
     /// # Panics
     ///
-    /// If there is no robot of that index, if the numbers of times and of states differ, or if the
-    /// coordinates or the forces do not have the robot's lengths.
+    /// If there is no robot of that index, if the numbers of times and of states differ, if the
+    /// coordinates do not have the robot's length, or if the numbers of points differ.
     pub fn motion(&mut self, motion: Motion) {
         let Motion { robot, times, coordinates, forces, .. } = &motion;
         let model = &self.robots[*robot].0;
@@ -87,8 +87,8 @@ impl Scene {
         assert!(coordinates.iter().all(|q| q.len() == model.nq()), "states have `nq` coordinates");
         if let Some(forces) = forces {
             assert_eq!(times.len(), forces.len(), "the number of forces is that of times");
-            let count = model.contacts().len();
-            assert!(forces.iter().all(|list| list.len() == count), "each contact has a force");
+            let count = forces.first().map_or(0, Vec::len);
+            assert!(forces.iter().all(|list| list.len() == count), "each point has a force");
         }
         self.motions.push(motion);
     }
@@ -176,18 +176,6 @@ fn robot<'s>(out: &mut String, model: &Model, shapes: &'s Shapes, meshes: &mut V
         index(out, frame.link);
         key(out, "pose");
         pose(out, &frame.pose);
-        out.push('}');
-    });
-    key(out, "contacts");
-    list(out, model.contacts(), |out, contact| {
-        let frame = &model.frames()[contact.end.frame];
-        out.push('{');
-        key(out, "name");
-        text(out, &contact.name);
-        key(out, "body");
-        index(out, frame.link);
-        key(out, "point");
-        numbers(out, &frame.pose.transform_point(contact.end.pose.translation));
         out.push('}');
     });
     key(out, "shapes");

@@ -7,7 +7,7 @@ use super::{Interpreter, UduFactorization};
 use crate::equations::dynamics::Elimination;
 use crate::equations::soft_constraints::{
     ContactParameters, JointParameters, LoopParameters, SoftModel, SoftStep, StepInput,
-    StepProblem, moved, soft_step,
+    StepProblem, TouchingPoint, moved, soft_step, touching_points,
 };
 use crate::mechanism::Mechanism;
 use crate::model::{
@@ -71,8 +71,7 @@ impl<S: Scalar> Interpreter<S> {
         let whole = (!soft.loops.is_empty())
             .then(|| Elimination::of_steps(mechanism, &ModuleTree::links(model)));
         let elimination = whole.as_ref().unwrap_or(elimination);
-        let problem =
-            StepProblem::new(mechanism, elimination, input, (&*soft, settings), workspace);
+        let problem = StepProblem::new(mechanism, elimination, input, (&*soft, settings), workspace);
         let SoftStep { motion, residual, iterations } = soft_step(problem);
         let [q, qd] = moved(mechanism, input, &motion.damped);
         outputs.q.copy_from_slice(&q);
@@ -83,6 +82,24 @@ impl<S: Scalar> Interpreter<S> {
         }
         (*outputs.residual, *outputs.iterations) = (residual, iterations);
         Ok(())
+    }
+
+    /// Returns the points of the shapes that can touch the ground, in the order of the forces of a
+    /// step, at the coordinates `q`. Allocates memory at each call.
+    ///
+    /// # Errors
+    ///
+    /// If a slice does not have the model's length.
+    pub fn touching_points(
+        &mut self,
+        q: &[S],
+        settings: &StepSettings<S, impl AsRef<[ContactSurface<S>]>>,
+    ) -> Result<Vec<TouchingPoint<S>>, ShapeError> {
+        let Self { model, soft, mechanism, workspace, .. } = self;
+        let soft = soft.get_or_insert_with(|| SoftModel::of(model).map(S::from_f64));
+        check("q", q, model.nq())?;
+        check("step_settings.contacts", settings.contacts.as_ref(), soft.contacts.len())?;
+        Ok(touching_points(mechanism, soft, settings, q, workspace))
     }
 
     /// Replaces what the robot's soft constraints have beside the settings of a step.

@@ -3,15 +3,15 @@
 use modyn_runtime::equations::constraints::{ConstrainedOutputs, ProjectionOutputs};
 use modyn_runtime::equations::{self, ForwardInput};
 use modyn_runtime::model::{Friction, Model};
-use modyn_runtime::simulate::Residual;
 use modyn_runtime::spatial::{Twist, Wrench};
-use modyn_runtime::{ConstraintSettings, ContactTarget, FrameError, Interpreter, ShapeError};
+use modyn_runtime::{ConstraintSettings, ContactTarget, Interpreter, ShapeError};
 
 use super::adaptive;
 use super::state::State;
 use super::torques::Torques;
 use crate::command::outcome::Failure;
-use crate::impulses::{Impulses, Options, settings_of};
+use crate::contact_steps::{ContactSteps, GroundPoint, Options, Start, Step};
+use crate::loops::settings_of;
 
 /// The state of a robot at an instant, and its energies.
 #[derive(Clone)]
@@ -24,11 +24,10 @@ pub struct Sample {
     pub potential: f64,
     /// The work of the joint forces since the start, J.
     pub work: f64,
-    /// The energy dissipated by friction, damping, impacts and joint stops since the start, J.
+    /// The energy that friction, damping, contacts and joint limits have taken since the start, J.
     pub dissipated: f64,
-    /// The force of the ground on each contact in the last step, N, in world axes; empty without
-    /// ground or step.
-    pub forces: Vec<[f64; 3]>,
+    /// The points that can touch the ground in the last step; empty without ground or step.
+    pub points: Vec<GroundPoint>,
 }
 
 impl Sample {
@@ -61,14 +60,15 @@ pub struct Dynamics<'a> {
     smooth: Option<Interpreter<f64>>,
     torques: &'a Torques,
     tau: Vec<f64>,
-    pub impulses: Impulses,
-    /// The height of the lowest contact above the ground up to now, m; infinite without ground.
+    /// Steps with the ground or joint limits; `None` if neither acts.
+    pub contact_steps: Option<ContactSteps>,
+    /// The height of the lowest point above the ground up to now, m; infinite without ground.
     pub lowest: f64,
-    /// The largest velocities that the impulses of a step left wrong.
-    pub residual: Residual,
-    /// The forces of the ground in the last step.
-    forces: Vec<[f64; 3]>,
-    /// The stabilization of the loops, and the ground under the contacts.
+    /// The largest residual of the solver of steps.
+    pub residual: f64,
+    /// The points that can touch the ground in the last step.
+    points: Vec<GroundPoint>,
+    /// The stabilization of the loops.
     pub constraint_settings: ConstraintSettings<f64, Vec<ContactTarget<f64>>>,
     /// For each contact whether it is active: none is.
     pub inactive: Vec<bool>,
@@ -82,8 +82,13 @@ pub struct Dynamics<'a> {
 
 impl<'a> Dynamics<'a> {
     /// Returns the equations of motion under these joint forces, with the ground and the joint
-    /// limits.
-    pub fn new(model: &Model, torques: &'a Torques, unilateral: Options) -> Result<Self, Failure> {
+    /// limits, for a start at the coordinates `q`.
+    pub fn new(
+        model: &Model,
+        torques: &'a Torques,
+        options: Options,
+        q: &[f64],
+    ) -> Result<Self, Failure> {
         let without_friction = (model.friction() != Friction::None)
             .then(|| model.clone().with_friction(Friction::None).map(Interpreter::new));
         let smooth = without_friction.transpose().map_err(|errors| Failure::usage(&errors[0]))?;
@@ -98,10 +103,10 @@ impl<'a> Dynamics<'a> {
             smooth,
             torques,
             tau,
-            impulses: Impulses::new(model, unilateral),
+            contact_steps: (!options.is_none()).then(|| ContactSteps::new(model, options, q)),
             lowest: f64::INFINITY,
-            residual: Residual { contacts: 0.0, stops: 0.0 },
-            forces: Vec::new(),
+            residual: 0.0,
+            points: Vec::new(),
             constraint_settings,
             inactive,
             ranks: Vec::new(),
@@ -113,7 +118,9 @@ impl<'a> Dynamics<'a> {
     /// Sets the joint forces of this time.
     fn set_torques(&mut self, time: f64) {
         self.torques.at(time, &mut self.tau);
-        self.impulses.limit(&mut self.tau);
+        if let Some(steps) = &self.contact_steps {
+            steps.limit(&mut self.tau);
+        }
     }
 
     /// Returns the sample of a state.
@@ -129,7 +136,7 @@ impl<'a> Dynamics<'a> {
             qd,
             work,
             dissipated,
-            forces: self.forces.clone(),
+            points: self.points.clone(),
         })
     }
 
@@ -147,23 +154,25 @@ impl<'a> Dynamics<'a> {
         Ok(next)
     }
 
-    /// Returns the state after one step of the semi-implicit Euler method with the impulses of the
-    /// ground and of joint stops.
-    pub fn impulse_step(&mut self, time: f64, dt: f64, state: &State) -> Result<State, FrameError> {
+    /// Returns the state after one step with the ground and joint limits.
+    pub fn contact_step(&mut self, time: f64, dt: f64, state: &State) -> Result<State, ShapeError> {
         self.set_torques(time);
-        let State { q, qd, energy: [work, dissipated] } = state;
-        let settings = &self.constraint_settings;
-        let step = self.impulses.step(&mut self.interpreter, q, qd, &self.tau, settings, dt)?;
-        self.lowest = self.lowest.min(step.lowest);
-        self.residual = self.residual.max(step.residual);
-        self.forces = step.forces;
-        let mut next = State { q: vec![0.0; q.len()], qd: step.qd, energy: [0.0; 2] };
-        let moved: Vec<f64> = next.qd.iter().map(|rate| dt * rate).collect();
-        self.interpreter.integrate(q, &moved, &mut next.q)?;
-        let friction = self.friction_power(q, qd)?;
-        let power = (power(&self.tau, qd) + power(&self.tau, &next.qd)) / 2.0;
-        next.energy = [work + dt * power, dissipated + dt * friction + step.dissipated];
-        Ok(next)
+        let State { q, qd, energy: [work, taken] } = state;
+        let Some(steps) = &mut self.contact_steps else { return Ok(state.clone()) };
+        let Step { q: next_q, qd: next_qd, qdd, points, residual } =
+            steps.step(Start { q, qd, tau: &self.tau, dt })?;
+        self.lowest = points.iter().map(|point| point.gap).fold(self.lowest, f64::min);
+        self.residual = self.residual.max(residual);
+        self.points = points;
+        // The forces on the motion without friction, contacts and limits, which would move the
+        // robot in the same way.
+        let smooth = self.smooth.as_mut().unwrap_or(&mut self.interpreter);
+        let mut forces = vec![0.0; qd.len()];
+        smooth.inverse_dynamics(q, qd, &qdd, &mut forces)?;
+        let mean: Vec<f64> = qd.iter().zip(&qdd).map(|(v, a)| v + dt / 2.0 * a).collect();
+        let done = dt * power(&self.tau, &mean);
+        let energy = [work + done, taken + done - dt * power(&forces, &mean)];
+        Ok(State { q: next_q, qd: next_qd, energy })
     }
 
     /// Returns the rates of a state. Near a singular posture of closed loops the state is projected

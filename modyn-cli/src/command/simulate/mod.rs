@@ -25,7 +25,7 @@ use crate::command::outcome::{Failure, may_write, to_file, to_stderr, to_stdout}
 use crate::command::progress::Progress;
 use crate::command::robot::{Robot, needs_dynamics};
 use crate::command::view::note_shapes;
-use crate::impulses::{Options, contradictory_limits, put_on_ground};
+use crate::contact_steps::{Ground, Limits, Options, contradictory_limits, put_on_ground};
 use crate::viewer::Scene;
 use motion::{Motion, Settings};
 use torques::Torques;
@@ -38,8 +38,9 @@ const MAX_SAMPLES: f64 = 1e6;
 
 /// Simulate a robot in free fall, or under joint forces from a file
 ///
-/// Loops are closed before the start if they are nearly closed, and stay closed. Joint limits are
-/// enforced with `--limits` alone. Without `--csv`, `--plot` and `--html` the table is written to
+/// Loops are closed before the start if they are nearly closed, and stay closed. The geoms of an MJCF
+/// touch its floor, by steps of MuJoCo's law, in which its joint limits act, too; without `--q`, the
+/// lowest geom of a floating robot starts on the floor. Other robots touch the ground with `--ground`, and their joint limits act with `--limits`. Without `--csv`, `--plot` and `--html` the table is written to
 /// standard output.
 ///
 /// The exit code is 1 if the description is rejected or the motion diverges.
@@ -48,7 +49,7 @@ pub struct Arguments {
     /// The duration, s
     #[arg(long, value_name = "S", default_value_t = 2.0, value_parser = positive)]
     time: f64,
-    /// The step of the fourth-order Runge-Kutta method, s
+    /// The step of the fourth-order Runge-Kutta method, or of steps with contacts and joint limits, s
     #[arg(long, value_name = "S", default_value_t = 0.001, value_parser = positive)]
     step: f64,
     /// Choose the steps such that each step's error of a coordinate or velocity x is at most this
@@ -71,7 +72,7 @@ pub struct Arguments {
     /// friction; without `--q` the lowest point of a floating robot starts on it
     #[arg(long, value_name = "FRICTION", num_args = 0..=1, default_missing_value = "0.8", value_parser = not_negative)]
     ground: Option<f64>,
-    /// Stop joints at their limits, and keep joint forces within the effort limits
+    /// Stop joints softly at their limits, and keep joint forces within the effort limits
     #[arg(long)]
     limits: bool,
     /// A table of joint forces (N m, N): rows of time and forces, interpolated linearly and
@@ -130,34 +131,21 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         let mut scene = Scene::new(model.name());
         let robot = scene.robot(model.clone(), reading.shapes);
         scene.motion(motion.shown(&model, robot));
-        if arguments.ground.is_some() {
-            scene.ground(0.0);
+        if let Some(height) = ground_height(&model, settings.contacts.ground) {
+            scene.ground(height);
         }
         to_file(path, &scene.page(), &inputs)?;
     }
     if arguments.csv.is_none() && arguments.plot.is_none() && arguments.html.is_none() {
         to_stdout(&table::of(&model, &motion)?)?;
     }
-    to_stderr(&summary(&model, &motion, arguments.limits));
+    to_stderr(&summary(&model, &motion, settings.contacts));
     Ok(())
 }
 
 impl Arguments {
     fn settings(&self, model: &Model) -> Result<Settings, Failure> {
-        let unilateral = Options { friction: self.ground, limits: self.limits };
-        if self.ground.is_some() && model.contacts().is_empty() {
-            return Err(Failure::usage(
-                "error: `--ground` needs the points that touch it: add `--contacts 'foot: point(LINK)'` for each"
-                    .to_string(),
-            ));
-        }
-        if !unilateral.is_none() && !model.loop_constraints().is_empty() {
-            return Err(Failure::usage(format!(
-                "error: `--ground` and `--limits` do not work with closed loops, and `{}` has the loop `{}`",
-                sanitize_for_display(model.name()),
-                sanitize_for_display(&model.loop_constraints()[0].name)
-            )));
-        }
+        let contacts = self.contacts(model)?;
         // Steps by a tolerance are within those from one row to the next.
         let step = if self.tolerance.is_some() { self.every } else { self.step };
         let steps = (self.time / step).round().max(1.0);
@@ -173,7 +161,34 @@ impl Arguments {
         let steps = steps as usize;
         let every = every as usize;
         let tolerance = self.tolerance;
-        Ok(Settings { step, steps, every, tolerance, unilateral })
+        Ok(Settings { step, steps, every, tolerance, contacts })
+    }
+
+    /// Returns what the ground and the joint limits do.
+    fn contacts(&self, model: &Model) -> Result<Options, Failure> {
+        if let Some(scene) = Options::of_scene(model) {
+            let name = sanitize_for_display(model.name());
+            if self.ground.is_some() {
+                return Err(Failure::usage(format!(
+                    "error: `--ground` is for points of `--contacts`, and the shapes of `{name}` touch its own \
+                     floor: leave `--ground` out"
+                )));
+            }
+            if self.tolerance.is_none() {
+                return Ok(scene);
+            }
+            to_stderr(&format!(
+                "note: `{name}` does not touch its floor: steps by a `--tolerance` have no contacts\n"
+            ));
+        }
+        if self.ground.is_some() && model.contacts().is_empty() {
+            return Err(Failure::usage(
+                "error: `--ground` needs the points that touch it: add `--contacts 'foot: point(LINK)'` for each"
+                    .to_string(),
+            ));
+        }
+        let ground = self.ground.map_or(Ground::None, Ground::Plane);
+        Ok(Options { ground, limits: if self.limits { Limits::Act } else { Limits::None } })
     }
 
     fn start(&self, model: &Model) -> Result<(Vec<f64>, Vec<f64>), Failure> {
@@ -190,7 +205,8 @@ impl Arguments {
         let q = given("q", &self.q, model.coordinate_names())?;
         let given = given("qd", &self.qd, model.velocity_names())?;
         let qd = given.unwrap_or_else(|| vec![0.0; model.nv()]);
-        let is_placed = q.is_some() || self.ground.is_none();
+        let touches = self.ground.is_some() || Options::of_scene(model).is_some();
+        let is_placed = q.is_some() || !touches;
         let mut q = motion::place(model, q, self.random)?;
         if !is_placed {
             put_on_ground(model, &mut q)
@@ -200,8 +216,21 @@ impl Arguments {
     }
 }
 
-/// Returns the summary of a motion, whose joints stop at their limits if `limits` is true.
-fn summary(model: &Model, motion: &Motion, limits: bool) -> String {
+/// Returns the height of the ground, m, if it is level.
+fn ground_height(model: &Model, ground: Ground) -> Option<f64> {
+    match ground {
+        Ground::None => None,
+        Ground::Plane(_) => Some(0.0),
+        Ground::Described => {
+            let plane = model.step_settings().contacts.first()?.plane;
+            let is_level = plane.rotation[2][2] > 1.0 - 1e-9;
+            Some(plane.translation[2]).filter(|height| is_level && height.is_finite())
+        }
+    }
+}
+
+/// Returns the summary of a motion with these contacts and joint limits.
+fn summary(model: &Model, motion: &Motion, contacts: Options) -> String {
     let mut out = format!(
         "{}: {} s in {} steps; energy drifts by {:.1e} J, with {:.1e} J kinetic at most\n",
         sanitize_for_display(model.name()),
@@ -210,25 +239,22 @@ fn summary(model: &Model, motion: &Motion, limits: bool) -> String {
         motion.drift(),
         motion.samples.iter().map(|sample| sample.kinetic).fold(0.0, f64::max),
     );
-    if motion.lowest.is_finite() {
+    if !contacts.is_none() {
         out += &format!(
-            "the ground, joint stops and friction take {:.3} J; the deepest contact is {:.1e} m in the ground\n",
+            "contacts, joint limits and friction take {:.3} J; the forces of a step miss their laws by at most \
+             {:.1e} of the weight\n",
             motion.samples.last().map_or(0.0, |sample| sample.dissipated),
-            (-motion.lowest).max(0.0)
+            motion.residual
         );
     }
-    if motion.lowest.is_finite() || limits {
-        out += &format!(
-            "the impulses of a step leave velocities wrong by at most {:.1e} m/s at contacts and \
-             {:.1e} rad/s or m/s at joint \
-             stops\n",
-            motion.residual.contacts, motion.residual.stops
-        );
+    if motion.lowest.is_finite() {
+        out +=
+            &format!("the deepest contact is {:.1e} m in the ground\n", (-motion.lowest).max(0.0));
     }
     if let Some(singular) = &motion.singular {
         out += &format!("{singular}; the linkage stays in its assembly\n");
     }
-    let (joints, remark) = match limits {
+    let (joints, remark) = match contacts.limits != Limits::None {
         true => (
             contradictory_limits(model),
             "mimic joints whose limits contradict their leaders', and are not enforced",

@@ -5,7 +5,6 @@
 
 use modyn_codegen::diagnostics::sanitize_for_display;
 use modyn_runtime::model::Model;
-use modyn_runtime::simulate::Residual;
 use modyn_runtime::{Interpreter, ShapeError};
 
 use super::dynamics::{Dynamics, Sample};
@@ -13,7 +12,8 @@ use super::state::State;
 use super::torques::Torques;
 use super::walk::{Lengths, Singular, Walk};
 use crate::command::outcome::Failure;
-use crate::impulses::{OpenLoop, Options, close_loops};
+use crate::contact_steps::{GroundPoint, Options};
+use crate::loops::{OpenLoop, close_loops};
 use crate::random::Random;
 use crate::viewer;
 
@@ -28,17 +28,17 @@ pub struct Settings {
     /// The largest error of a step, relative to 1 + |x|; steps are then divided until they keep it.
     pub tolerance: Option<f64>,
     /// The ground and the joint limits; with them steps are of first order.
-    pub unilateral: Options,
+    pub contacts: Options,
 }
 
 /// The samples of a motion.
 pub struct Motion {
     pub samples: Vec<Sample>,
     pub steps: usize,
-    /// The height of the lowest contact above the ground, m; infinite without ground.
+    /// The height of the lowest point above the ground, m; infinite without ground.
     pub lowest: f64,
-    /// The largest velocities that the impulses of a step left wrong.
-    pub residual: Residual,
+    /// The largest residual of the solver of steps.
+    pub residual: f64,
     /// The first singular posture that the loops pass.
     pub singular: Option<Singular>,
 }
@@ -53,7 +53,7 @@ impl Motion {
         settings: &Settings,
     ) -> Result<Self, Failure> {
         let shape = |error: ShapeError| Failure::usage(format!("error: {error}"));
-        let mut dynamics = Dynamics::new(model, torques, settings.unilateral)?;
+        let mut dynamics = Dynamics::new(model, torques, settings.contacts, &q)?;
         let mut state = State { q, qd, energy: [0.0; 2] };
         let mut samples = vec![dynamics.sample(0.0, &state).map_err(shape)?];
         let lengths = Lengths {
@@ -64,12 +64,11 @@ impl Motion {
         let mut walk = Walk::new(state.clone(), lengths);
         for i in 1..=settings.steps {
             let time = settings.step * i as f64;
-            state = if dynamics.impulses.is_none() {
+            state = if dynamics.contact_steps.is_none() {
                 walk.state_at(time, &mut dynamics)?
             } else {
                 let before = settings.step * (i - 1) as f64;
-                let next = dynamics.impulse_step(before, settings.step, &state);
-                next.map_err(|error| Failure::usage(format!("error: {error}")))?
+                dynamics.contact_step(before, settings.step, &state).map_err(shape)?
             };
             if !state.q.iter().chain(&state.qd).all(|x| x.is_finite()) {
                 let singular = walk.singular.map_or(String::new(), |[_, last]| format!("; {last}"));
@@ -82,7 +81,7 @@ impl Motion {
                 samples.push(dynamics.sample(time, &state).map_err(shape)?);
             }
         }
-        let steps = if dynamics.impulses.is_none() { walk.steps } else { settings.steps };
+        let steps = if dynamics.contact_steps.is_none() { walk.steps } else { settings.steps };
         let Dynamics { lowest, residual, .. } = dynamics;
         Ok(Self {
             samples,
@@ -95,19 +94,23 @@ impl Motion {
 
     /// Returns the motion of the robot of this index for the viewer.
     pub fn shown(&self, model: &Model, robot: usize) -> viewer::Motion {
-        let count = model.contacts().len();
-        // At the start there was no step.
-        let forces = |sample: &Sample| match sample.forces.len() {
-            0 => vec![[0.0; 3]; count],
-            _ => sample.forces.clone(),
+        let numbers = |sample: &Sample| {
+            let points: Vec<[f64; 6]> = sample.points.iter().map(GroundPoint::numbers).collect();
+            points
         };
+        // At the start there was no step: its points have no forces.
+        let start = self.samples.get(1).map(|sample| {
+            let points = sample.points.iter();
+            points.map(|point| GroundPoint { force: [0.0; 3], ..*point }.numbers()).collect()
+        });
         let has_ground = self.lowest.is_finite();
+        let forces = || start.into_iter().chain(self.samples.iter().skip(1).map(numbers)).collect();
         viewer::Motion {
             name: model.name().to_owned(),
             robot,
             times: self.samples.iter().map(|sample| sample.time).collect(),
             coordinates: self.samples.iter().map(|sample| sample.q.clone()).collect(),
-            forces: has_ground.then(|| self.samples.iter().map(forces).collect()),
+            forces: has_ground.then(forces),
         }
     }
 

@@ -249,17 +249,20 @@ class Viewer {
         }
       }
       const forces = show.forces && this.forcesOf(instance);
-      if (forces) robot.contacts.forEach(({ body, point }, i) => {
-        const from = transformPoint(at(body), point), force = forces.slice(3 * i, 3 * i + 3);
+      if (forces) for (let i = 0; i < forces.length; i += 6) {
+        const from = transformPoint(moved, forces.slice(i, i + 3)), force = forces.slice(i + 3, i + 6);
+        if (!(norm(force) > 0)) continue;
+        const radius = 0.012 * robot.size;
+        items.push({ geometry: markers.ball, matrix: multiply(translation(from), scaling([radius, radius, radius])), tint: [0.92, 0.28, 0.16, 1], ...ON_TOP });
         // A robot's weight is an arrow of half its size; impacts are no longer than the robot.
         const length = Math.min(0.55 / (robot.mass * GRAVITY), 1 / norm(force)) * robot.size;
         arrow(from, add(from, scale(force, length)), 0.006 * robot.size, [0.92, 0.28, 0.16, 1], ON_TOP);
-      });
+      }
     }
     return items;
   }
 
-  // The contact forces of an instance now, N in world axes: three numbers for each contact.
+  // The points of an instance that touch the ground now: the place, m, and the force, N, of each, in world axes.
   forcesOf(instance) {
     if (instance.state) return instance.stateForces || null;
     if (!instance.forces || !instance.times.length) return null;

@@ -25,8 +25,10 @@ mod problem;
 mod responses;
 mod rows;
 mod shapes;
+mod touching_points;
 
 pub use law::{ContactLaw, Response, RowState, SoftRow};
 pub use newton::{Advance, MAX_ITERATIONS, MAX_SEARCH, Progress, Search, SoftStep, soft_step};
 pub use problem::{Iterate, SoftMotion, StepProblem, moved};
 pub use rows::{ContactParameters, JointParameters, LoopParameters, SoftModel, StepInput};
+pub use touching_points::{TouchingPoint, touching_points};

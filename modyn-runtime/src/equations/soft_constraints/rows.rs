@@ -101,7 +101,9 @@ pub(super) struct ContactRows<S> {
     /// The body that carries the contact.
     pub body: usize,
     /// The contact's place on the body.
-    place: Vector3<S>,
+    pub place: Vector3<S>,
+    /// The height of the shape above the plane at this point.
+    pub gap: S,
     /// The normal and two tangents in the body's axes, as columns.
     axes: Matrix3<S>,
     /// The x and y axes of the plane along the first tangent; `None` if the tangents are these axes.
@@ -215,7 +217,7 @@ impl<S: Scalar> ContactRows<S> {
             weight: violation.select_nonnegative(S::zero(), row.weight),
             reference: reference.map(|(reference, fall)| reference - fall).take(count).collect(),
         };
-        Self { body: parameters.body, place, axes, along_tangent, law }
+        Self { body: parameters.body, place, gap, axes, along_tangent, law }
     }
 
     /// Returns the number of rows.

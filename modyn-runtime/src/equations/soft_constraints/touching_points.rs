@@ -1,0 +1,45 @@
+//! The points of shapes that can touch the ground.
+
+use alloc::{vec, vec::Vec};
+
+use super::rows::{BodyState, ContactOptions, ContactRows, SoftModel};
+use crate::equations::Workspace;
+use crate::equations::kinematics::links::compute_body_poses;
+use crate::mechanism::Mechanism;
+use crate::spatial::{Matrix3, Pose, Twist, Vector3};
+use crate::{ContactSurface, Scalar, StepSettings};
+
+/// A point of a shape that can touch the ground, at a state.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TouchingPoint<S> {
+    /// The place in the world, m: in the middle between the shape and the ground.
+    pub place: Vector3<S>,
+    /// The height of the shape above the ground at this point, m; negative in the ground.
+    pub gap: S,
+}
+
+/// Returns the points in the order of the forces of a step, at the coordinates `q`.
+pub fn touching_points<S: Scalar>(
+    mechanism: &Mechanism<S>,
+    soft: &SoftModel<S>,
+    settings: &StepSettings<S, impl AsRef<[ContactSurface<S>]>>,
+    q: &[S],
+    workspace: &mut Workspace<S>,
+) -> Vec<TouchingPoint<S>> {
+    workspace.move_to(mechanism, q);
+    let mut poses = vec![Pose::identity(); mechanism.bodies.len()];
+    compute_body_poses(mechanism, workspace, &mut poses);
+    // The laws of the rows, which depend on the time, are not used.
+    let options = ContactOptions { cone: soft.cone, ratio: settings.impratio, dt: S::one() };
+    let shapes = soft.contacts.iter().zip(settings.contacts.as_ref());
+    let points = shapes.flat_map(|(parameters, surface)| {
+        let pose = poses[parameters.body];
+        let state = BodyState { pose, velocity: Twist::zero(), fall: Vector3::zero() };
+        let rows = ContactRows::of_shape(parameters, &state, surface, options).into_iter();
+        rows.map(move |rows| TouchingPoint {
+            place: Vector3(pose.translation) + Matrix3(pose.rotation).mul_vector(rows.place),
+            gap: rows.gap,
+        })
+    });
+    points.collect()
+}
