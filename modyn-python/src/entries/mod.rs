@@ -465,8 +465,8 @@ impl Roles {
 
 /// Returns the key of the rollout of a time step, of whose code this is the key: the results of all
 /// steps, or of the last one. Given the code of the step's products, the rollout returns the
-/// gradients with respect to the arguments `variables`. `roles` are the roles of the step's arguments: `state`, `start` and
-/// `sequences`.
+/// gradients with respect to the arguments `variables`. `roles` are the roles of the step's
+/// arguments: `state`, `start` and `sequences`.
 #[pyfunction]
 pub fn rollout_code(
     step: i64,

@@ -40,8 +40,9 @@ const MAX_SAMPLES: f64 = 1e6;
 ///
 /// Loops are closed before the start if they are nearly closed, and stay closed. The geoms of an MJCF
 /// touch its floor, by steps of MuJoCo's law, in which its joint limits act, too; without `--q`, the
-/// lowest geom of a floating robot starts on the floor. Other robots touch the ground with `--ground`, and their joint limits act with `--limits`. Without `--csv`, `--plot` and `--html` the table is written to
-/// standard output.
+/// lowest geom of a floating robot starts on the floor. Other robots touch the ground with
+/// `--ground`, and their joint limits act with `--limits`. Without `--csv`, `--plot` and `--html` the
+/// table is written to standard output.
 ///
 /// The exit code is 1 if the description is rejected or the motion diverges.
 #[derive(Args)]
