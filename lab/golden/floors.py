@@ -1,5 +1,5 @@
 """Steps of MuJoCo on planes: random robots of an MJCF with geoms of all kinds, contacts of one to six components, both cones, joint
-limits, dry friction, damping, and the settings of contacts and joints in general position.
+limits, dry friction, damping, closed loops, fixed tendons, couplings of joints and tendons, and all settings in general position.
 """
 
 import ground
@@ -7,9 +7,12 @@ import mujoco
 import numpy
 
 STEP = 0.002
-ROBOTS = 32
-#: The first robot with closed loops.
-LOOPS = 24
+ROBOTS = 48
+#: The robots with closed loops.
+LOOPS = range(24, 32)
+#: The first robot with tendons and couplings, and the first one whose couplings are linear: modyn has soft ones of independent joints.
+TENDONS = 32
+LINEAR = 44
 STATES = 4
 KINDS = ("sphere", "capsule", "box", "cylinder", "ellipsoid")
 #: The power of all curves of impedance: contacts mix those of two geoms, and modyn has integers.
@@ -56,6 +59,43 @@ def joint(rng):
             f'{softness(rng, "solreflimit", "solimplimit")} {softness(rng, "solreffriction", "solimpfriction")}/>')
 
 
+def named(rng, body):
+    """The text of bodies whose joints have names, and the names. Coordinates and springs have references."""
+    first, *rest = body.split("<joint ")
+    references = [f'ref="{numbers(rng.uniform(-0.2, 0.2))}" springref="{numbers(rng.uniform(-0.2, 0.2))}"' for _ in rest]
+    joints = [f'<joint name="j{i}" {reference} {joint}' for i, (reference, joint) in enumerate(zip(references, rest))]
+    return first + "".join(joints), [f"j{i}" for i in range(len(rest))]
+
+
+def tendon(rng, name, joints, k):
+    """A fixed tendon of these joints. Every other one has a narrow range, so that both limits act."""
+    low, high = numpy.sort(rng.uniform(-0.3, 0.3, 2)) if k % 2 else sorted(0.01 * rng.normal() + rng.uniform(-0.005, 0.005, 2))
+    rest = [f'springlength="{numbers(numpy.sort(rng.uniform(-0.2, 0.2, 2)))}"', f'springlength="{numbers(rng.normal())}"', ""][k % 3]
+    parts = "".join(f'<joint joint="{joint}" coef="{numbers(rng.normal())}"/>' for joint in joints)
+    return (f'<fixed name="{name}" range="{numbers([low, high])}" margin="{numbers(rng.uniform(0, 0.02))}" '
+            f'frictionloss="{numbers(rng.uniform(0, 0.5) * (k % 4 != 1))}" {softness(rng, "solreflimit", "solimplimit")} '
+            f'{softness(rng, "solreffriction", "solimpfriction")} stiffness="{numbers(rng.uniform(0, 20) * (k % 5 > 1))}" '
+            f'damping="{numbers(rng.uniform(0, 1) * (k % 5 != 2))}" {rest}>{parts}</fixed>')
+
+
+def tendons(rng, joints, k):
+    """One or two tendons of all joints, and couplings: by polynomials, or of more than two joints. Robots without couplings have
+    limits and friction only, or only a spring."""
+    second = list(rng.permutation(joints))[: 1 + k % len(joints)]
+    fixed = tendon(rng, "t0", joints, k) + tendon(rng, "t1", second, k + 1)
+    curve = f'polycoef="{numbers(rng.normal(size=5) * [0.1, 1, 1, 1, 1])}" {softness(rng)}'
+    by_joints = f'<joint joint1="{joints[0]}" joint2="{joints[-1]}" {curve}/>'
+    single = f'<joint joint1="{joints[0]}" joint2="{joints[1]}" {curve}/>' if len(joints) < 3 else f'<tendon tendon1="t0" {curve}/>'
+    if k >= LINEAR:
+        line = f'polycoef="{numbers(rng.normal(size=2) * [0.1, 1])}" {softness(rng)}'
+        pair = f'<joint joint1="{joints[0]}" joint2="{joints[-1]}" {line}/>'
+        held = f'<joint joint1="{joints[-1]}" polycoef="{numbers(0.1 * rng.normal())}" {softness(rng)}/>'
+        tied = f'<tendon tendon1="t0" tendon2="t1" {line}/>'
+        return f"<tendon>{fixed}</tendon><equality>{[pair, held, tied, pair + held][k % 4]}</equality>"
+    couplings = ["", by_joints, f'<tendon tendon1="t0" tendon2="t1" {curve}/>', single][k % 4]
+    return f"<tendon>{fixed}</tendon><equality>{couplings}</equality>"
+
+
 def pair(rng):
     """A pair with the settings of its own: the base and the floor touch, whatever their masks say."""
     friction = rng.uniform(0.2, 1.0, 2), rng.uniform(0.005, 0.1, 3)
@@ -81,7 +121,7 @@ def closures(rng, k):
 
 def free(rng, k):
     """The joint of the base, which has damping and armature in the robots with closed loops."""
-    if k < LOOPS:
+    if k not in LOOPS:
         return "<freejoint/>"
     return f'<joint type="free" damping="{numbers(rng.uniform(0, 0.5))}" armature="{numbers(rng.uniform(0, 0.2))}"/>'
 
@@ -100,6 +140,7 @@ def scene(rng, k):
     for i in range(1 + k % 3):
         inner = f"<body pos='{numbers(rng.uniform(-0.2, 0.2, 3))}'>{joint(rng)}{geom(rng, kinds[2 * i])}</body>" * (i != 1)
         limbs += f"<body name='limb{i}' pos='{numbers(rng.uniform(-0.3, 0.3, 3))}' {turned(rng)}>{joint(rng)}{geom(rng, kinds[2 * i + 1])}{inner}</body>"
+    limbs, joints = named(rng, limbs) if k >= TENDONS else (limbs, [])
     rotation = numpy.array(ground.rotation(rng.normal(size=3), rng.uniform(0, 0.6)))
     floor = (f'<geom name="floor" type="plane" size="0 0 1" pos="{numbers(rng.uniform(-0.3, 0.3, 3))}" '
              f'quat="{numbers(rotation)}" contype="1" conaffinity="2" {contact(rng)}/>')
@@ -116,7 +157,7 @@ def scene(rng, k):
     flag = '<flag override="enable"/>' if kind == 3 else ""
     return (f'<mujoco model="floor {k}"><compiler angle="radian"/><option cone="{cone}" impratio="{numbers(rng.uniform(0.5, 4))}" '
             f"{option}>{flag}</option><worldbody>{floor}<body name='base'>{free(rng, k)}{base}{limbs}</body></worldbody>{contacts}"
-            f"{closures(rng, k) if k >= LOOPS else ''}</mujoco>")
+            f"{closures(rng, k) if k in LOOPS else ''}{tendons(rng, joints, k) if k >= TENDONS else ''}</mujoco>")
 
 
 def to_modyn(qpos, qvel):

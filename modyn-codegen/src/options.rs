@@ -104,7 +104,9 @@ macro_rules! option_table {
                     base: Base, field => *field = base,
                     "described | fixed | floating", "`described`", "floating";
                 /// How joints that mimic another one are read: they follow it and have no
-                /// coordinate of their own, have one, or are refused.
+                /// coordinate of their own, have one, or are refused. Joints with a coordinate of
+                /// their own are free; `<equality>` of an MJCF couples them in the function `step`,
+                /// softly as in MuJoCo.
                 "mimic" mimic(mimic: Mimic)
                     mimic: Mimic, field => *field = mimic,
                     "follow | independent | refuse", "`follow`", "independent";
@@ -141,7 +143,8 @@ macro_rules! option_table {
                     unphysical_inertia: Severity, field => *field = severity,
                     "error | warn", "`error`", "warn";
                 /// How forces of fluids, such as air, and of tendons in an MJCF are reported, which
-                /// are not read. With a warning the robot is without them.
+                /// are not read. With a warning the robot is without them; springs and dampers of
+                /// fixed tendons then act in the function `step` only.
                 "unread_forces" unread_forces(severity: Severity)
                     unread_forces: Severity, field => *field = severity,
                     "error | warn", "`error`", "warn";

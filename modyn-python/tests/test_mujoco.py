@@ -247,13 +247,13 @@ def test_joints_that_do_not_fit_are_named():
         modyn.conventions.MuJoCo(robot, without)
 
 
-@pytest.mark.parametrize("scene", range(32))
-@pytest.mark.filterwarnings("ignore:.*but in `step`")
+@pytest.mark.parametrize("scene", range(48))
+@pytest.mark.filterwarnings("ignore:.*in `step`")
 def test_motions_on_a_floor(scene):
     """Motions of 50 steps of random robots over planes, each step from the accelerations of the last one; some joints have
     ranges narrower than twice their margin, so that both limits act."""
     case = json.loads((GOLDEN / "floors.json").read_text())[scene]
-    robot = modyn.loads(case["mjcf"], file="floor.xml")
+    robot = modyn.loads(case["mjcf"], file="floor.xml", unread_forces="warn", mimic="independent")
     model = mujoco.MjModel.from_xml_string(case["mjcf"])
     model.opt.timestep, model.opt.tolerance, model.opt.ls_tolerance = case["step"], 0, 1e-12
     model.opt.iterations, model.opt.ls_iterations = 300, 100

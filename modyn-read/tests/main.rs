@@ -7,6 +7,7 @@ mod mjcf;
 mod reading;
 mod sdf;
 mod shapes;
+mod tendons;
 mod touching;
 mod units;
 mod write;

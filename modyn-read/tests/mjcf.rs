@@ -814,17 +814,19 @@ fn unread_forces_are_refused_or_left_out() {
         found.iter().map(|one| (one.severity, one.position.map_or(0, |at| at.line))).collect()
     };
     let found = read("0", Severity::Error).expect_err("forces").into_vec();
-    assert_eq!(lines(&found), [1, 2, 2, 4].map(|line| (Severity::Error, line)), "{found:?}");
+    assert_eq!(lines(&found), [1, 2, 2, 4, 5].map(|line| (Severity::Error, line)), "{found:?}");
     assert!(found[2].message.contains("(`density`, `viscosity`)"), "{}", found[2].message);
-    let tendons =
-        "forces of a tendon (`damping`, `stiffness`) are not read; the same holds for line 5";
-    assert_eq!(found[3].message, tendons);
+    let fixed = "forces of a tendon (`damping`, `stiffness`) act in `step` only";
+    assert_eq!(
+        [&*found[3].message, &found[4].message],
+        [fixed, "forces of a tendon (`damping`) are not read"]
+    );
     for one in &found {
         let help = one.help.as_deref().unwrap_or_default();
         assert!(help.contains("`unread_forces = warn`"), "{help}");
     }
     let reading = read("0", Severity::Warning).expect("warnings");
-    let warnings = [1, 2, 2, 4].map(|line| (Severity::Warning, line));
+    let warnings = [1, 2, 2, 4, 5].map(|line| (Severity::Warning, line));
     assert_eq!(lines(&reading.warnings), warnings);
     assert_eq!(reading.model.nv(), 1);
     let found = read("0.5", Severity::Warning).expect_err("an inertia").into_vec();
@@ -861,10 +863,6 @@ fn unsupported_elements_are_refused() {
         (
             r#"<equality><distance geom1="g" geom2="h"/></equality>"#,
             Some(r#"<equality><distance geom1="g" geom2="h" active="false"/></equality>"#),
-        ),
-        (
-            r#"<equality><joint joint1="j" joint2="j" polycoef="0 1 2"/></equality>"#,
-            Some(r#"<equality><joint joint1="j" joint2="j" active="false"/></equality>"#),
         ),
         (
             r#"<equality><conect body1="a"/></equality>"#,
@@ -1084,10 +1082,6 @@ fn joints_that_follow_joints() {
         (r#"<joint joint1="follow" joint2="leader"/>"#.to_owned(), Code::MimicTarget),
         (r#"<joint joint1="follower" joint2="lead"/>"#.to_owned(), Code::MimicTarget),
         (format!("{constraint}{constraint}"), Code::NotRead),
-        (
-            r#"<joint joint1="follower" joint2="leader" polycoef="0 1 1"/>"#.to_owned(),
-            Code::NotRead,
-        ),
     ] {
         let found = read(&text(&wrong)).expect_err(&wrong).into_vec();
         assert_eq!((found.len(), found[0].code), (1, code), "{found:?}");
@@ -1125,10 +1119,7 @@ fn fixed_tendons_couple_joints() {
     assert_eq!(held.nv(), 2);
     // A spring does nothing where the length of the tendon is held.
     let sprung = |constraint: &str| {
-        read(
-            &text(constraint)
-                .replace("name=\"ab\"", "name=\"ab\" stiffness=\"3\" frictionloss=\"1\""),
-        )
+        read(&text(constraint).replace("name=\"ab\"", "name=\"ab\" stiffness=\"3\" damping=\"1\""))
     };
     assert_eq!(sprung(r#"<tendon tendon1="ab"/>"#).expect("held").nv(), 2);
     for free in
@@ -1137,12 +1128,18 @@ fn fixed_tendons_couple_joints() {
         let found = sprung(free).expect_err(free).into_vec();
         assert_eq!((found.len(), found[0].code), (1, Code::NotRead), "{found:?}");
     }
+    // Those of more joints and of higher degrees are soft.
+    for (constraint, soft) in [
+        (r#"<tendon tendon1="all"/>"#, 1),
+        (r#"<tendon tendon1="a" tendon2="b" polycoef="0 1 1"/>"#, 1),
+        (r#"<tendon tendon1="ab" tendon2="ab"/>"#, 0),
+    ] {
+        let model = read(&text(constraint)).expect(constraint);
+        assert_eq!((model.nv(), model.soft_constraints().couplings.len()), (3, soft));
+    }
     for wrong in [
-        r#"<tendon tendon1="all"/>"#,
         r#"<tendon tendon1="s"/>"#,
         r#"<tendon tendon1="none"/>"#,
-        r#"<tendon tendon1="ab" tendon2="ab"/>"#,
-        r#"<tendon tendon1="a" tendon2="b" polycoef="0 1 1"/>"#,
         r#"<tendon tendon1="ab"/><joint joint1="b"/>"#,
     ] {
         let found = read(&text(wrong)).expect_err(wrong).into_vec();

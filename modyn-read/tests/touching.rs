@@ -170,8 +170,9 @@ fn what_has_no_effect_is_said() {
                 r#"{}<body><joint name="j" type="hinge"/><inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/></body>"#,
                 ball("")
             ),
-            r#"<tendon><fixed range="-1 1"><joint joint="j" coef="1"/></fixed></tendon>"#.into(),
-            "limits of a tendon",
+            r#"<tendon><spatial range="-1 1"><site site="p"/><site site="q"/></spatial></tendon>"#
+                .into(),
+            "limits of a tendon that is not `<fixed>`",
         ),
         (
             r#"<geom type="mesh" mesh="no"/><geom type="mesh" mesh="no"/>"#.into(),

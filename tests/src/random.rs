@@ -7,8 +7,9 @@ use std::ops::Range;
 use modyn_runtime::joint::JointType;
 use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::model::{
-    DEFAULT_GRAVITY, Frame, Friction, Inertial, Joint, JointDynamics, Limits, Link, Mimic, Model,
-    ModuleTree, Spring,
+    DEFAULT_GRAVITY, Frame, Friction, Inertial, Joint, JointDynamics, JointSum, Limits, Link,
+    Mimic, Model, ModuleTree, SoftConstraints, SoftCoupling, SoftTendon, Softness, Spring,
+    TendonJoint, TendonSpring,
 };
 use modyn_runtime::spatial::Pose;
 use modyn_runtime::{ContactSurface, StepSettings};
@@ -278,6 +279,47 @@ pub fn general_zoo(seed: u64, links: usize) -> Model {
     let mut parts = grow(seed, links, serial(seed), Random::any_joint);
     parts.unalign(seed);
     furnished(parts, seed, format!("general_zoo{seed}_{links}"))
+}
+
+/// Returns the robot with tendons and couplings of its joints with one degree of freedom: limits,
+/// friction, springs and dampers, of all these joints and of one.
+///
+/// # Panics
+///
+/// If the constraints are not those of a robot, which is a fault of this function.
+#[must_use]
+pub fn with_tendons(model: Model, seed: u64) -> Model {
+    let mut random = Random::new(seed);
+    let links = model.links().iter().enumerate();
+    let single = links.filter(|(_, link)| link.joint.joint_type.nv() == 1).map(|(link, _)| link);
+    let single: Vec<usize> = single.collect();
+    let sum = |random: &mut Random, joints: &[usize]| {
+        let term = |&link: &usize| TendonJoint { link, coefficient: random.between(-1.0, 1.0) };
+        JointSum { joints: joints.iter().map(term).collect(), offset: 0.1 }
+    };
+    let softness = Softness::standard();
+    let tendon = |(k, joints): (usize, &[usize])| SoftTendon {
+        name: format!("tendon{k}"),
+        length: sum(&mut random, joints),
+        range: (!seed.is_multiple_of(3)).then_some([-0.2, 0.1]),
+        margin: 0.2 * (k % 2) as f64,
+        limit: softness,
+        dry_friction: if seed.is_multiple_of(2) { 0.3 } else { 0.0 },
+        friction: softness,
+        spring: TendonSpring { stiffness: 5.0, rest: [-0.1, 0.1], damping: 0.4 },
+    };
+    let tendons = [&single[..], &single[..single.len().min(1)]].into_iter().enumerate();
+    let tendons = tendons.map(tendon).collect();
+    let coupling = SoftCoupling {
+        name: "coupling".into(),
+        sums: [&single[..single.len().min(2)], &single[single.len().min(1)..]]
+            .map(|joints| sum(&mut random, joints)),
+        polynomial: [0.1, 0.7, -0.3, 0.2, 0.4],
+        softness,
+    };
+    let couplings = if seed.is_multiple_of(5) { Vec::new() } else { vec![coupling] };
+    let soft = SoftConstraints { tendons, couplings, ..model.soft_constraints().clone() };
+    model.with_soft_constraints(soft).expect("tendons of the robot's joints")
 }
 
 /// Returns [`tree`], or [`general_tree`] for every second seed.

@@ -6,12 +6,13 @@ use modyn_runtime::model::ModelErrorKind::{
     NotFinite, Order, Parent, Rotation, SecondAxis,
 };
 use modyn_runtime::model::{
-    DEFAULT_GRAVITY, Frame, Friction, Inertial, InertialDefect, Joint, JointDynamics, Link, Mimic,
-    Model, ModelErrorKind, ModuleError, ModuleTree, Spring,
+    DEFAULT_GRAVITY, Frame, Friction, Inertial, InertialDefect, Joint, JointDynamics,
+    JointReference, Link, Mimic, Model, ModelErrorKind, ModuleError, ModuleTree, SoftConstraints,
+    Spring,
 };
 use modyn_runtime::spatial::Pose;
 use modyn_tests::cases::{cases, robots};
-use modyn_tests::random::modules;
+use modyn_tests::random::{modules, with_tendons};
 use proptest::prelude::*;
 
 /// The parts of a model, to be made invalid.
@@ -237,6 +238,45 @@ fn springs_and_gravity_compensation() {
         let compensated = sprung.clone().with_gravity_compensation(factors.clone());
         assert_eq!(compensated.expect("sound").gravity_compensation(), factors);
     }
+}
+
+#[test]
+fn tendons_and_couplings() {
+    let good = with_tendons(model(), 1);
+    let joints = good.soft_constraints().tendons[0].length.joints.len();
+    assert!(joints > 1 && good.soft_constraints().couplings.len() == 1);
+    let kinds = |change: &dyn Fn(&mut SoftConstraints)| {
+        let mut soft = good.soft_constraints().clone();
+        change(&mut soft);
+        let errors = good.clone().with_soft_constraints(soft).expect_err("refused");
+        errors.into_iter().map(|error| (error.name, error.kind)).collect::<Vec<_>>()
+    };
+    let of = |name: &str, kind| vec![(name.to_string(), kind)];
+    let of_tendon = |kind| of("tendon0", kind);
+    assert_eq!(
+        kinds(&|soft| soft.tendons[0].length.joints[1].link = 9),
+        of_tendon(ModelErrorKind::Transmission)
+    );
+    assert_eq!(kinds(&|soft| soft.tendons[0].length.offset = f64::NAN), of_tendon(NotFinite));
+    assert_eq!(kinds(&|soft| soft.tendons[0].margin = f64::INFINITY), of_tendon(NotFinite));
+    assert_eq!(kinds(&|soft| soft.tendons[0].range = Some([0.0, f64::NAN])), of_tendon(NotFinite));
+    let negative = of_tendon(ModelErrorKind::Tendon);
+    assert_eq!(kinds(&|soft| soft.tendons[0].dry_friction = -1.0), negative);
+    assert_eq!(kinds(&|soft| soft.tendons[0].spring.stiffness = -1.0), negative);
+    assert_eq!(kinds(&|soft| soft.tendons[0].spring.damping = -1.0), negative);
+    assert_eq!(kinds(&|soft| soft.tendons[0].spring.rest = [1.0, 0.0]), negative);
+    assert_eq!(kinds(&|soft| soft.tendons[0].range = Some([1.0, 0.0])), negative);
+    let of_coupling = |kind| of("coupling", kind);
+    assert_eq!(
+        kinds(&|soft| soft.couplings[0].sums[1].joints[0].link = 9),
+        of_coupling(ModelErrorKind::Transmission)
+    );
+    assert_eq!(kinds(&|soft| soft.couplings[0].polynomial[4] = f64::NAN), of_coupling(NotFinite));
+    let reference = |joint, coordinate| {
+        kinds(&|soft| soft.references = vec![JointReference { joint, coordinate }])
+    };
+    assert_eq!(reference(0, f64::NAN), of("a_joint", NotFinite));
+    assert_eq!(reference(9, 0.0), of(good.name(), ModelErrorKind::JointSoftness));
 }
 
 #[test]

@@ -1,10 +1,12 @@
 //! Steps with soft constraints against MuJoCo: see the reference data's README.
 
-use modyn_codegen::diagnostics::Code;
+use modyn_codegen::diagnostics::{Code, Severity};
 use modyn_codegen::plan::{Choices, Kernels, Plan};
 use modyn_codegen::program::Execution;
-use modyn_codegen::{Base, ReadOptions, read};
-use modyn_runtime::equations::soft_constraints::{JointParameters, SoftModel, StepInput};
+use modyn_codegen::{Base, Mimic, ReadOptions, read};
+use modyn_runtime::equations::soft_constraints::{
+    JointParameters, SoftModel, StepInput, StopParameters,
+};
 use modyn_runtime::model::{
     Cone, Contact, ContactComponents, ContactKind, ContactShape, Friction, Impedance,
     JointDynamics, JointSoftness, LoopConstraintEnd, Model, ModuleTree, SoftConstraints, Softness,
@@ -15,7 +17,7 @@ use modyn_runtime::spatial::{Matrix3, Pose, Twist, Vector3};
 use modyn_runtime::{ContactSurface, Interpreter, StepSettings, StepSolutionOutputs};
 use modyn_tests::arguments::{arguments, interpreted};
 use modyn_tests::golden::{Golden, PLANAR_LOOP, SPATIAL_LOOPS};
-use modyn_tests::random::{Random, general_zoo, state};
+use modyn_tests::random::{Random, general_zoo, state, with_tendons};
 use serde_json::Value;
 
 /// Of the largest velocity; the rest is MuJoCo's own tolerance.
@@ -90,24 +92,27 @@ fn surfaces(file: &Value) -> Vec<ContactSurface<f64>> {
 
 /// Returns the laws of a file, with the mobilities of MuJoCo.
 fn soft_model(file: &Value, cone: Cone, robot: &mut Interpreter<f64>) -> SoftModel<f64> {
-    let SoftModel { mut contacts, damping, .. } = SoftModel::of(robot.model());
+    let soft = SoftModel::of(robot.model());
+    let mut contacts = soft.contacts.clone();
     for (contact, expected) in contacts.iter_mut().zip(list(&file["contacts"])) {
         contact.mobility = number(&expected["mobility"]);
     }
     let [dry_friction, mobility] = ["dry_friction", "mobility"].map(|name| numbers(&file[name]));
     let joint = |(k, range): (usize, &Value)| JointParameters {
         coordinate: 7 + k,
-        range: <[f64; 2]>::try_from(numbers(range)).expect("two").map(Some),
-        narrow: false,
-        margin: 0.0,
-        mobility: mobility[k],
-        limit: Softness::standard(),
-        dry_friction: Some(dry_friction[k]),
-        friction: Softness::standard(),
+        stops: StopParameters {
+            range: <[f64; 2]>::try_from(numbers(range)).expect("two").map(Some),
+            narrow: false,
+            margin: 0.0,
+            mobility: mobility[k],
+            limit: Softness::standard(),
+            dry_friction: Some(dry_friction[k]),
+            friction: Softness::standard(),
+        },
     };
     let joints = list(&file["range"]).iter().enumerate().map(joint).map(Some);
     let joints = [None; 6].into_iter().chain(joints).collect();
-    SoftModel { cone, weight: 1.0, contacts, damping, joints, loops: Vec::new() }
+    SoftModel { cone, weight: 1.0, contacts, joints, ..soft }
 }
 
 fn data() -> Value {
@@ -181,7 +186,7 @@ fn mobilities_are_those_of_mujoco() {
             model.contacts.iter().map(|contact| contact.mobility).collect()
         };
         let joints = |model: &SoftModel<f64>| -> Vec<f64> {
-            model.joints.iter().flatten().map(|joint| joint.mobility).collect()
+            model.joints.iter().flatten().map(|joint| joint.stops.mobility).collect()
         };
         for mobilities in [contacts, joints] {
             let theirs = mobilities(&expected);
@@ -207,22 +212,34 @@ fn touching(seed: u64) -> Model {
     model.with_contacts(contacts).expect("links that move")
 }
 
-/// Random robots of MJCF over a plane in general position. The description has shapes, components, cones,
-/// limits and friction of all kinds, and the settings of contacts and joints.
-#[test]
-fn steps_on_a_floor_are_those_of_mujoco() {
+/// Returns the random robots of MJCF over a plane, with their states.
+fn floors() -> Vec<(Model, Value)> {
     let data =
         std::fs::read_to_string(format!("{}/golden/floors.json", env!("CARGO_MANIFEST_DIR")));
     let data: Value = serde_json::from_str(&data.expect("the reference data")).expect("good");
+    // The forces of tendons act in steps, and so do all couplings.
+    let options = ReadOptions {
+        unread_forces: Severity::Warning,
+        mimic: Mimic::Independent,
+        ..ReadOptions::default()
+    };
+    let robots = list(&data).iter().map(|file| {
+        let reading = read(text(&file["mjcf"]), "floor.xml", &options).expect("good");
+        // The other functions have no friction, no tendons and no couplings of a high degree.
+        let others = reading.warnings.iter().filter(|warning| {
+            warning.code != Code::InactiveFriction && !warning.message.contains("in `step` only")
+        });
+        assert_eq!(others.count(), 0, "{:?}", reading.warnings);
+        (reading.model, file.clone())
+    });
+    robots.collect()
+}
 
-    for (k, file) in list(&data).iter().enumerate() {
-        let reading =
-            read(text(&file["mjcf"]), "floor.xml", &ReadOptions::default()).expect("good");
-        let model = reading.model;
-        // The other functions have no friction.
-        let others =
-            reading.warnings.iter().filter(|warning| warning.code != Code::InactiveFriction);
-        assert_eq!(others.count(), 0, "{k}: {:?}", reading.warnings);
+/// Random robots of MJCF over a plane in general position. The description has shapes, components, cones,
+/// limits and friction of all kinds, loops, tendons, couplings, and the settings of all of these.
+#[test]
+fn steps_on_a_floor_are_those_of_mujoco() {
+    for (k, (model, file)) in floors().iter().enumerate() {
         let mut robot = Interpreter::<f64>::new(model.clone());
         for state in list(&file["states"]) {
             let [q, qd, tau] = ["q", "qd", "tau"].map(|name| numbers(&state[name]));
@@ -388,7 +405,14 @@ fn programs_compute_the_steps_of_the_interpreter() {
     let mut iterations = 0.0;
     let robots = (0..40).map(|seed| (seed, touching(seed)));
     let robots = robots.chain((40..100).map(|seed| (seed, shaped(seed))));
-    for (seed, model) in robots.chain((100..104).map(|seed| (seed, closed(seed)))) {
+    let robots = robots.chain((100..104).map(|seed| (seed, closed(seed))));
+    let tied = |seed: u64| match seed % 3 {
+        0 => closed(seed),
+        1 => touching(seed),
+        _ => shaped(seed),
+    };
+    let tied = (104..140).map(|seed| (seed, with_tendons(tied(seed), seed)));
+    for (seed, model) in robots.chain(tied) {
         let choices = Choices { functions: vec![Function::Step], ..Choices::default() };
         let modules = ModuleTree::chains(&model);
         let plan = Plan::new(&model, &modules, &choices, Execution::Scalar);

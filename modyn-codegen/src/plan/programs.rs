@@ -21,7 +21,7 @@ use crate::graph::Graph;
 use crate::intern::intern;
 use crate::passes::{balance, optimize};
 use crate::program::{Execution, InvalidProgram, Program};
-use crate::trace::{StepGraph, Tracer};
+use crate::trace::{EliminationOf, StepGraph, Tracer};
 
 /// The scalar graphs of the selected functions that also have a selected batch form. Each graph is
 /// traced once, for the function and its batch form.
@@ -222,20 +222,25 @@ impl PlanContext<'_> {
     /// step.
     pub(super) fn refined_step(&self) -> Graph {
         let soft = SoftModel::of(self.model);
-        optimize(self.tracer.refined_step(&self.elimination_of_steps(), &soft))
+        optimize(self.tracer.refined_step(&self.elimination_of_steps(&soft), &soft))
     }
 
-    fn elimination_of_steps(&self) -> Elimination {
-        match self.model.loop_constraints().is_empty() {
-            true => self.elimination.clone(),
-            false => Elimination::of_steps(self.tracer.model(), &ModuleTree::links(self.model)),
+    /// Returns the solver for steps with these constraints.
+    fn elimination_of_steps(&self, soft: &SoftModel<f64>) -> Elimination {
+        match soft.couples_limbs() {
+            false => self.elimination.clone(),
+            true => Elimination::of_steps(
+                self.tracer.model(),
+                &ModuleTree::links(self.model),
+                soft.coupled_joints(),
+            ),
         }
     }
 
     /// Returns the programs of a step with soft constraints.
     pub(super) fn step(&self, scalars: usize, form: StepForm) -> Kernels {
         let soft = SoftModel::of(self.model);
-        let traced = |tracer: &Tracer<'_>, elimination: &Elimination| {
+        let traced = |tracer: &Tracer<'_>, elimination: EliminationOf<'_>| {
             let mut step = tracer.step(elimination, &soft);
             if let StepForm::Entries { feedback } = form {
                 let mut coordinates = vec![0];
@@ -252,11 +257,11 @@ impl PlanContext<'_> {
             }
             StepGraph { graph: optimize(step.graph), ..step }
         };
-        let scalar = traced(&self.tracer, &self.elimination_of_steps());
+        let scalar = traced(&self.tracer, &|soft| self.elimination_of_steps(soft));
         let links = ModulePartition::new(self.tracer.model(), &ModuleTree::links(self.model));
-        let by_links = Elimination::Recursive(links);
+        let by_links = |_: &SoftModel<f64>| Elimination::Recursive(links.clone());
         let limbs = self.limbs.iter().filter(|limbs| {
-            self.has_vectors() && soft.loops.is_empty() && limbs.merges_joints(&soft)
+            self.has_vectors() && !soft.acts_across_limbs() && limbs.merges_joints(&soft)
         });
         let packed = limbs.map(|limbs| traced(&self.tracer.packed(limbs), &by_links));
         let packed = packed.min_by_key(|step| step.graph.count().total());

@@ -8,7 +8,7 @@ use modyn_runtime::equations::Workspace;
 use modyn_runtime::equations::dynamics::Elimination;
 use modyn_runtime::equations::soft_constraints::{
     Advance, Iterate, JointParameters, Progress, Search, SoftModel, SoftMotion, StepInput,
-    StepProblem, moved,
+    StepProblem, StopParameters, moved,
 };
 use modyn_runtime::mechanism::{BodyTree, Mechanism};
 use modyn_runtime::model::{Impedance, Softness};
@@ -83,6 +83,9 @@ impl StepGraph {
     }
 }
 
+/// The solver of each robot with these constraints.
+pub type EliminationOf<'a> = &'a dyn Fn(&SoftModel<f64>) -> Elimination;
+
 /// The numbers of a search: both ends, the slope at which it ends, and its end.
 pub const SEARCH: usize = 6;
 
@@ -90,7 +93,7 @@ impl Tracer<'_> {
     /// Returns the parts of a step. Arguments: q, qd, tau, dt, the accelerations to start from, the
     /// settings.
     #[must_use]
-    pub fn step(&self, elimination: &Elimination, soft: &SoftModel<f64>) -> StepGraph {
+    pub fn step(&self, elimination: EliminationOf<'_>, soft: &SoftModel<f64>) -> StepGraph {
         let nq = self.model.nq;
         let nv = self.model.nv;
         let surfaces = ContactSurface::<Expr>::COUNT * soft.contacts.len();
@@ -106,7 +109,7 @@ impl Tracer<'_> {
                 None => parts.on_scalars(model, elimination, soft, given),
                 Some(limbs) => {
                     let robot = PackedRobot { model: self.model, whole: model, limbs };
-                    robot.solvers(elimination, soft, given, &mut parts);
+                    robot.solvers(&elimination(soft), soft, given, &mut parts);
                 }
             }
             results = Some(parts.results(model, input));
@@ -183,7 +186,8 @@ impl PackedRobot<'_> {
         for soft in merged_soft.solvers() {
             let problem =
                 StepProblem::new(&merged, &elimination, input, (&soft, &settings), &mut workspace);
-            let joints = problem.joints_of_rows().map(|dof| {
+            let joints = problem.joints_of_rows().map(|joints| {
+                let [dof] = joints[..] else { unreachable!("no row couples merged limbs") };
                 let (lanes, _) = limbs.velocities().nth(dof).expect("a joint of the merged robot");
                 lanes.iter().map(Option::is_some).collect()
             });
@@ -208,16 +212,16 @@ impl PackedRobot<'_> {
                 lanes.iter().map(|dof| soft.joints[(*dof)?].as_ref()).collect();
             let first = each.iter().flatten().next()?;
             let coordinate = self.limbs.coordinate(first.coordinate);
-            let numbers = |get: &dyn Fn(&JointParameters<f64>) -> f64, missing: f64| {
-                pack(each.iter().map(|joint| joint.map_or(missing, get)).collect())
+            let numbers = |get: &dyn Fn(&StopParameters<f64>) -> f64, missing: f64| {
+                pack(each.iter().map(|joint| joint.map_or(missing, |x| get(&x.stops))).collect())
             };
-            let some = |get: &dyn Fn(&JointParameters<f64>) -> Option<f64>, missing: f64| {
-                let is_there = each.iter().flatten().any(|joint| get(joint).is_some());
-                is_there.then(|| numbers(&|joint| get(joint).unwrap_or(missing), missing))
+            let some = |get: &dyn Fn(&StopParameters<f64>) -> Option<f64>, missing: f64| {
+                let is_there = each.iter().flatten().any(|joint| get(&joint.stops).is_some());
+                is_there.then(|| numbers(&|stops| get(stops).unwrap_or(missing), missing))
             };
-            let softness = |get: &dyn Fn(&JointParameters<f64>) -> Softness<f64>| {
+            let softness = |get: &dyn Fn(&StopParameters<f64>) -> Softness<f64>| {
                 let number = |part: &dyn Fn(&Softness<f64>) -> f64| {
-                    numbers(&|joint| part(&get(joint)), part(&get(first)))
+                    numbers(&|stops| part(&get(stops)), part(&get(&first.stops)))
                 };
                 Softness {
                     reference: [0, 1].map(|k| number(&|softness| softness.reference[k])),
@@ -226,23 +230,23 @@ impl PackedRobot<'_> {
                         most: number(&|softness| softness.impedance.most),
                         width: number(&|softness| softness.impedance.width),
                         midpoint: number(&|softness| softness.impedance.midpoint),
-                        power: get(first).impedance.power,
+                        power: get(&first.stops).impedance.power,
                     },
                 }
             };
-            Some(JointParameters {
-                coordinate,
+            let stops = StopParameters {
                 range: [
-                    some(&|joint| joint.range[0], -OUT_OF_REACH),
-                    some(&|joint| joint.range[1], OUT_OF_REACH),
+                    some(&|stops| stops.range[0], -OUT_OF_REACH),
+                    some(&|stops| stops.range[1], OUT_OF_REACH),
                 ],
-                narrow: each.iter().flatten().any(|joint| joint.narrow),
-                margin: numbers(&|joint| joint.margin, 0.0),
-                mobility: numbers(&|joint| joint.mobility, first.mobility),
-                limit: softness(&|joint| joint.limit),
-                dry_friction: some(&|joint| joint.dry_friction, 0.0),
-                friction: softness(&|joint| joint.friction),
-            })
+                narrow: each.iter().flatten().any(|joint| joint.stops.narrow),
+                margin: numbers(&|stops| stops.margin, 0.0),
+                mobility: numbers(&|stops| stops.mobility, first.stops.mobility),
+                limit: softness(&|stops| stops.limit),
+                dry_friction: some(&|stops| stops.dry_friction, 0.0),
+                friction: softness(&|stops| stops.friction),
+            };
+            Some(JointParameters { coordinate, stops })
         });
         SoftModel {
             cone: soft.cone,
@@ -251,8 +255,10 @@ impl PackedRobot<'_> {
             // The merged robot has the damping of its limbs.
             damping: Vec::new(),
             joints: joints.collect(),
-            // Robots with loops have no merged limbs.
+            // Robots with loops, tendons or couplings have no merged limbs.
             loops: Vec::new(),
+            tendons: Vec::new(),
+            couplings: Vec::new(),
         }
     }
 }
@@ -277,18 +283,19 @@ impl Parts {
     fn on_scalars(
         &mut self,
         model: &Mechanism<Expr>,
-        elimination: &Elimination,
+        elimination: EliminationOf<'_>,
         soft: &SoftModel<f64>,
         given: Given<'_>,
     ) {
         let Given { input, settings } = given;
         let settings = settings_of(settings);
-        let soft = soft.map(Expr::from_f64);
-        let model = &soft.mechanism(model);
+        let model = &soft.map(Expr::from_f64).mechanism(model);
         let mut workspace = Workspace::new(model);
         for soft in soft.solvers() {
+            let elimination = elimination(&soft);
+            let soft = soft.map(Expr::from_f64);
             let constraints = (&soft, &settings);
-            let problem = StepProblem::new(model, elimination, input, constraints, &mut workspace);
+            let problem = StepProblem::new(model, &elimination, input, constraints, &mut workspace);
             let rows = vec![vec![true]; problem.rows()];
             self.solver(problem, &rows, |motion| motion);
         }

@@ -38,7 +38,8 @@ class Options(TypedDict, total=False):
     default described. For example: `"floating"`."""
     mimic: str | None
     """How joints that mimic another one are read: they follow it and have no coordinate of their own, have one, or
-    are refused. By default follow. For example: `"independent"`."""
+    are refused. Joints with a coordinate of their own are free; `<equality>` of an MJCF couples them in the
+    function `step`, softly as in MuJoCo. By default follow. For example: `"independent"`."""
     rotors: Mapping[str, Any] | str | None
     """Rotors of joints: the inertia (kg m^2) and the gear ratio of each. They replace the joint's rotor of the
     description. By default the description's. For example: `{"elbow": [0.0001, 100]}`."""
@@ -60,7 +61,8 @@ class Options(TypedDict, total=False):
     example: `"warn"`."""
     unread_forces: str | None
     """How forces of fluids, such as air, and of tendons in an MJCF are reported, which are not read. With a
-    warning the robot is without them. By default error. For example: `"warn"`."""
+    warning the robot is without them; springs and dampers of fixed tendons then act in the function `step`
+    only. By default error. For example: `"warn"`."""
     packages: Mapping[str, Any] | str | None
     """The folders of ROS packages, which a description names in `$(find ...)` and `package://`. Packages in the
     folders above the description are found without this option, and so are those of `ROS_PACKAGE_PATH` and

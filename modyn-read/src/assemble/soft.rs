@@ -1,4 +1,4 @@
-//! What touches the ground, and the softness of joints and loops.
+//! What touches the ground, the softness of joints and loops, and tendons and couplings.
 
 use modyn_runtime::model::{JointSoftness, LoopSoftness, Model, SoftConstraints};
 use rustc_hash::FxHashMap;
@@ -37,5 +37,17 @@ pub fn constraints(
         Some(LoopSoftness { constraint: *loops.get(name)?, ..*softness })
     });
     soft.loops = softnesses.collect();
+    // Joints that constraints hold are no joints of the model.
+    soft.references.retain_mut(|reference| {
+        let joint = joints.get(description.joints[reference.joint].name.text.as_str());
+        joint.map(|&joint| reference.joint = joint).is_some()
+    });
+    let lengths = soft.tendons.iter_mut().map(|tendon| &mut tendon.length);
+    let sums = soft.couplings.iter_mut().flat_map(|coupling| &mut coupling.sums);
+    for joint in lengths.chain(sums).flat_map(|sum| &mut sum.joints) {
+        let name = description.joints[joint.link].name.text.as_str();
+        // The model refuses a joint that none of its links has.
+        joint.link = joints.get(name).copied().unwrap_or(model.links().len());
+    }
     soft
 }

@@ -51,7 +51,8 @@ pub enum Mimic {
     /// The joint follows its leader, and has no coordinate of its own.
     #[default]
     Follow,
-    /// The joint is independent: it has a coordinate of its own.
+    /// The joint is independent: it has a coordinate of its own. Constraints of an MJCF couple
+    /// joints in steps with soft constraints, softly as in `MuJoCo`.
     Independent,
     /// A mimic joint is an error.
     Refuse,

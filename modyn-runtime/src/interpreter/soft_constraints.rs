@@ -6,12 +6,14 @@ use super::errors::{ShapeError, check};
 use super::{Interpreter, UduFactorization};
 use crate::equations::dynamics::Elimination;
 use crate::equations::soft_constraints::{
-    ContactParameters, JointParameters, LoopParameters, SoftModel, SoftStep, StepInput,
-    StepProblem, TouchingPoint, moved, soft_step, touching_points,
+    ContactParameters, CouplingParameters, JointParameters, Length, LengthTerm, LoopParameters,
+    SoftModel, SoftStep, SpringParameters, StepInput, StepProblem, StopParameters,
+    TendonParameters, TouchingPoint, moved, soft_step, touching_points,
 };
 use crate::mechanism::Mechanism;
 use crate::model::{
-    Friction, LoopConstraint, LoopSoftness, Model, ModuleTree, Softness, TouchingShape,
+    Friction, JointSum, LoopConstraint, LoopSoftness, Model, ModuleTree, SoftCoupling, SoftTendon,
+    Softness, TendonSpring, TouchingShape,
 };
 use crate::spatial::{Twist, Vector3};
 use crate::{ContactSurface, Portable, Scalar, StepSettings};
@@ -68,10 +70,12 @@ impl<S: Scalar> Interpreter<S> {
         check("outputs.qdd", outputs.qdd, model.nv())?;
         check("outputs.forces", outputs.forces, 3 * points)?;
         let mechanism = &soft.mechanism(mechanism);
-        let whole = (!soft.loops.is_empty())
-            .then(|| Elimination::of_steps(mechanism, &ModuleTree::links(model)));
+        let whole = soft.couples_limbs().then(|| {
+            Elimination::of_steps(mechanism, &ModuleTree::links(model), soft.coupled_joints())
+        });
         let elimination = whole.as_ref().unwrap_or(elimination);
-        let problem = StepProblem::new(mechanism, elimination, input, (&*soft, settings), workspace);
+        let problem =
+            StepProblem::new(mechanism, elimination, input, (&*soft, settings), workspace);
         let SoftStep { motion, residual, iterations } = soft_step(problem);
         let [q, qd] = moved(mechanism, input, &motion.damped);
         outputs.q.copy_from_slice(&q);
@@ -108,7 +112,7 @@ impl<S: Scalar> Interpreter<S> {
     }
 }
 
-/// The mobilities of a robot at its neutral configuration. They become part of generated text, so
+/// The mobilities of a robot at its reference configuration. They become part of generated text, so
 /// they are the same on every host.
 struct Mobilities {
     robot: Interpreter<Portable>,
@@ -117,10 +121,16 @@ struct Mobilities {
 }
 
 impl Mobilities {
-    fn at_neutral(model: &Model) -> Self {
+    fn at_reference(model: &Model) -> Self {
         let robot = Interpreter::<Portable>::new(model.clone());
         let mut q = vec![Portable(0.0); model.nq()];
         robot.neutral(&mut q).expect(LENGTHS);
+        for reference in &model.soft_constraints().references {
+            // Mimic joints follow their leaders.
+            if model.mimic(reference.joint).is_none() {
+                q[model.q_range(reference.joint).start] = Portable(reference.coordinate);
+            }
+        }
         let factors = robot.brge(&q).expect(LENGTHS);
         Self { robot, q, factors }
     }
@@ -156,12 +166,12 @@ impl Mobilities {
 
 impl SoftModel<f64> {
     /// Returns what a robot's soft constraints have beside the settings of a step: the joint limits
-    /// of the description, its dry joint friction if friction is enabled, and mobilities at the
-    /// neutral configuration. (MuJoCo computes its mobilities at the reference configuration.)
+    /// of the description, its dry joint friction if friction is enabled, its tendons and couplings,
+    /// and mobilities at the reference configuration.
     #[must_use]
     pub fn of(model: &Model) -> Self {
         let mechanism = Mechanism::<f64>::new(model);
-        let mut mobilities = Mobilities::at_neutral(model);
+        let mut mobilities = Mobilities::at_reference(model);
         let shapes = model.touching_shapes();
         let contact = |shape: TouchingShape| {
             let link = shape.end.frame;
@@ -186,7 +196,7 @@ impl SoftModel<f64> {
             LoopParameters { mobility, softness, torque_scale }
         };
         let loops: Vec<_> = model.loop_constraints().iter().enumerate().map(closed).collect();
-        let stops = model.soft_constraints().joint_limits;
+        let has_limits = model.soft_constraints().joint_limits;
         let mut joints = vec![None; model.nv()];
         for i in 0..model.links().len() {
             let coordinates = model.q_range(i);
@@ -202,17 +212,23 @@ impl SoftModel<f64> {
             let mut softnesses = model.soft_constraints().joints.iter();
             let softness = softnesses.find(|softness| softness.joint == i);
             let margin = softness.map_or(0.0, |softness| softness.margin);
-            joints[dof] = Some(JointParameters {
-                coordinate: coordinates.start,
-                range: [lower, upper].map(|limit| Some(limit).filter(|x| stops && x.is_finite())),
+            let stops = StopParameters {
+                range: [lower, upper]
+                    .map(|limit| Some(limit).filter(|x| has_limits && x.is_finite())),
                 narrow: upper - lower <= 2.0 * margin,
                 margin,
                 mobility: mobilities.of_row(&unit),
                 limit: softness.map_or_else(Softness::standard, |softness| softness.limit),
                 dry_friction: Some(friction).filter(|friction| *friction > 0.0),
                 friction: softness.map_or_else(Softness::standard, |softness| softness.friction),
-            });
+            };
+            joints[dof] = Some(JointParameters { coordinate: coordinates.start, stops });
         }
+        let soft = model.soft_constraints();
+        let tendons = soft.tendons.iter().map(|tendon| mobilities.tendon(model, tendon)).collect();
+        let couplings = soft.couplings.iter();
+        let couplings =
+            couplings.filter_map(|coupling| mobilities.coupling(model, coupling)).collect();
         let mass: f64 = model.links().iter().map(|link| link.inertial.mass).sum();
         let cone = model.soft_constraints().cone;
         SoftModel {
@@ -221,9 +237,73 @@ impl SoftModel<f64> {
             contacts,
             damping: damping_in_steps(model, &mechanism),
             joints,
+            tendons,
+            couplings,
             loops,
         }
     }
+}
+
+impl Mobilities {
+    /// Returns J M^-1 J^T of a length.
+    fn of_length(&self, length: &Length<f64>) -> f64 {
+        let mut row = vec![Portable(0.0); self.robot.model.nv()];
+        length.terms.iter().for_each(|term| row[term.dof] = Portable(term.factor));
+        self.of_row(&row)
+    }
+
+    fn tendon(&self, model: &Model, tendon: &SoftTendon) -> TendonParameters<f64> {
+        let SoftTendon { range, margin, limit, dry_friction, friction, spring, .. } = *tendon;
+        let TendonSpring { stiffness, rest, damping } = spring;
+        let length = length(model, &tendon.length);
+        let moves = !length.terms.is_empty();
+        let limits = range.filter(|_| moves && model.soft_constraints().joint_limits);
+        TendonParameters {
+            stops: StopParameters {
+                range: limits.map_or([None; 2], |limits| limits.map(Some)),
+                narrow: limits.is_some_and(|[lower, upper]| upper - lower <= 2.0 * margin),
+                margin,
+                mobility: self.of_length(&length),
+                limit,
+                dry_friction: Some(dry_friction)
+                    .filter(|x| moves && *x > 0.0 && has_friction(model)),
+                friction,
+            },
+            spring: (stiffness > 0.0).then_some(SpringParameters { stiffness, rest }),
+            damping: Some(damping).filter(|damping| *damping > 0.0),
+            length,
+        }
+    }
+
+    /// Returns a coupling; `None` if it moves no joint.
+    fn coupling(&self, model: &Model, coupling: &SoftCoupling) -> Option<CouplingParameters<f64>> {
+        let lengths = coupling.sums.each_ref().map(|sum| length(model, sum));
+        let [first, second] = lengths.each_ref().map(|length| self.of_length(length));
+        let moves = lengths.iter().any(|length| !length.terms.is_empty());
+        moves.then_some(CouplingParameters {
+            lengths,
+            polynomial: coupling.polynomial,
+            mobility: first + second,
+            softness: coupling.softness,
+        })
+    }
+}
+
+/// Returns a sum of joint coordinates as a sum of entries of q: mimic joints follow their leaders.
+fn length(model: &Model, sum: &JointSum) -> Length<f64> {
+    let mut length = Length { terms: Vec::<LengthTerm<f64>>::new(), offset: sum.offset };
+    for joint in &sum.joints {
+        let mimic = model.mimic(joint.link);
+        let factor = joint.coefficient * mimic.map_or(1.0, |mimic| mimic.multiplier);
+        length.offset += joint.coefficient * mimic.map_or(0.0, |mimic| mimic.offset);
+        let [coordinate, dof] = [model.q_range(joint.link).start, model.v_range(joint.link).start];
+        match length.terms.iter_mut().find(|term| term.dof == dof) {
+            Some(term) => term.factor += factor,
+            None => length.terms.push(LengthTerm { coordinate, dof, factor }),
+        }
+    }
+    length.terms.retain(|term| term.factor != 0.0);
+    length
 }
 
 /// Returns the damping of each degree of freedom of the mechanism in steps.
@@ -240,11 +320,16 @@ fn damping_in_steps(model: &Model, mechanism: &Mechanism<f64>) -> Vec<Option<f64
     }
 }
 
+/// Returns whether dry friction acts in steps.
+fn has_friction(model: &Model) -> bool {
+    let acts = matches!(model.friction(), Friction::Coulomb | Friction::Smooth(_));
+    acts || model.soft_constraints().joint_friction
+}
+
 /// Returns the dry friction of a joint and of the mimic joints that follow it, N m or N; zero if
 /// friction is not enabled.
 fn dry_friction(model: &Model, joint: usize) -> f64 {
-    let acts = matches!(model.friction(), Friction::Coulomb | Friction::Smooth(_));
-    if !(acts || model.soft_constraints().joint_friction) {
+    if !has_friction(model) {
         return 0.0;
     }
     let joints = model.links().iter().enumerate().filter_map(|(i, link)| {

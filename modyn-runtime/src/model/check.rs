@@ -4,8 +4,8 @@ use alloc::{collections::BTreeMap, vec::Vec};
 
 use super::{
     Activation, ActivationDynamics, Actuation, Actuator, AffineLaw, ContactShape, Friction,
-    Impedance, Inertial, Limits, Model, ModelError, ModelErrorKind, SoftConstraints, Softness,
-    Transmission,
+    Impedance, Inertial, JointSum, Limits, Model, ModelError, ModelErrorKind, SoftConstraints,
+    SoftCoupling, SoftTendon, Softness, TendonSpring, Transmission,
 };
 use crate::joint::JointType;
 use crate::spatial::Pose;
@@ -227,7 +227,8 @@ pub(super) fn check_contacts(model: &Model) -> Vec<ModelError> {
 /// Returns all defects of the soft constraints of a `model` that is sound without them.
 pub(super) fn check_soft_constraints(model: &Model) -> Vec<ModelError> {
     let mut errors = Vec::new();
-    let SoftConstraints { impratio, shapes, joints, loops, .. } = &model.soft_constraints;
+    let SoftConstraints { impratio, shapes, joints, loops, tendons, couplings, references, .. } =
+        &model.soft_constraints;
     for shape in shapes {
         let mut report = |kind| errors.push(ModelError { name: shape.name.clone(), kind });
         match model.frames.get(shape.end.frame) {
@@ -274,7 +275,59 @@ pub(super) fn check_soft_constraints(model: &Model) -> Vec<ModelError> {
             report(ModelErrorKind::LoopSoftness);
         }
     }
+    for reference in references {
+        let link = model.links.get(reference.joint);
+        let name = link.map_or(&model.name, |link| &link.joint.name).clone();
+        if !reference.coordinate.is_finite() {
+            errors.push(ModelError { name, kind: ModelErrorKind::NotFinite });
+        } else if link.is_none_or(|link| link.joint.joint_type.nv() != 1) {
+            errors.push(ModelError { name, kind: ModelErrorKind::JointSoftness });
+        }
+    }
+    for tendon in tendons {
+        let SoftTendon { range, margin, limit, dry_friction, friction, spring, .. } = tendon;
+        let TendonSpring { stiffness, rest, damping } = *spring;
+        let numbers = [*dry_friction, stiffness, damping, *margin, rest[0], rest[1]];
+        let softness = [*limit, *friction].map(softness_numbers);
+        let is_finite = finite(&numbers) && finite(softness.as_flattened());
+        let ranges = [*range, Some(rest)].into_iter().flatten();
+        let mut report = |kind| errors.push(ModelError { name: tendon.name.clone(), kind });
+        if let Some(kind) = defect_of_sums(model, core::slice::from_ref(&tendon.length)) {
+            report(kind);
+        } else if !(is_finite && range.is_none_or(|range| finite(&range))) {
+            report(ModelErrorKind::NotFinite);
+        } else if numbers[..3].iter().any(|number| *number < 0.0)
+            || ranges.into_iter().any(|[low, high]| low > high)
+        {
+            report(ModelErrorKind::Tendon);
+        }
+    }
+    for coupling in couplings {
+        let SoftCoupling { sums, polynomial, softness, .. } = coupling;
+        let mut report = |kind| errors.push(ModelError { name: coupling.name.clone(), kind });
+        if let Some(kind) = defect_of_sums(model, sums) {
+            report(kind);
+        } else if !(finite(polynomial) && finite(&softness_numbers(*softness))) {
+            report(ModelErrorKind::NotFinite);
+        }
+    }
     errors
+}
+
+/// Returns the defect of sums of joint coordinates, if there is one.
+fn defect_of_sums(model: &Model, sums: &[JointSum]) -> Option<ModelErrorKind> {
+    let joints = || sums.iter().flat_map(|sum| &sum.joints);
+    let is_single =
+        |link: usize| model.links.get(link).is_some_and(|link| link.joint.joint_type.nv() == 1);
+    let offsets = sums.iter().map(|sum| sum.offset);
+    let mut numbers = joints().map(|joint| joint.coefficient).chain(offsets);
+    if !joints().all(|joint| is_single(joint.link)) {
+        Some(ModelErrorKind::Transmission)
+    } else if !numbers.all(f64::is_finite) {
+        Some(ModelErrorKind::NotFinite)
+    } else {
+        None
+    }
 }
 
 /// Returns the numbers of a softness that must be finite.

@@ -57,12 +57,16 @@ pub enum ModelErrorKind {
     /// A shape that touches the ground has a size that is not above zero, or a setting out of its
     /// range.
     TouchingShape,
-    /// The softness of a joint that does not exist, or that is out of its range.
+    /// The softness or the reference coordinate of a joint that does not exist, or that is out of its
+    /// range.
     JointSoftness,
     /// The softness of a loop constraint that does not exist.
     LoopSoftness,
-    /// An actuator or a tendon is on a joint or a tendon that does not exist, or on a joint with
-    /// several degrees of freedom.
+    /// A tendon has a negative friction, stiffness or damping, or a range whose lower end is above its
+    /// upper end.
+    Tendon,
+    /// An actuator, a tendon or a coupling is on a joint or a tendon that does not exist, or on a
+    /// joint with several degrees of freedom.
     Transmission,
     /// A range of a control, an activation or a force is empty, or a range of a tendon's forces does
     /// not contain zero.
@@ -113,10 +117,14 @@ impl fmt::Display for ModelError {
                 "is a shape with a size that is not above zero, or with a setting out of its range"
             }
             ModelErrorKind::JointSoftness => {
-                "has a softness out of its range, or is no joint of the robot"
+                "has a softness or a reference coordinate out of its range, or is no such joint of the robot"
             }
             ModelErrorKind::LoopSoftness => {
                 "has a softness, and is no loop constraint of the robot"
+            }
+            ModelErrorKind::Tendon => {
+                "is a tendon with a negative friction, stiffness or damping, or with a range whose lower \
+                 end is above its upper end"
             }
             ModelErrorKind::Transmission => {
                 "is on a joint or tendon that does not exist, or on a joint with several degrees of \

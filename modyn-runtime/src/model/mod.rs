@@ -16,6 +16,7 @@ mod link;
 mod loop_constraint;
 mod modules;
 mod spring;
+mod tendon;
 mod touching;
 
 pub use crate::inertial::{INERTIAL_PARAMETERS, Inertial, InertialDefect, PARAMETERS_PER_LINK};
@@ -32,9 +33,10 @@ pub(crate) use loop_constraint::radius_of_gyration;
 pub use loop_constraint::{LoopConstraint, LoopConstraintEnd, LoopConstraintKind};
 pub use modules::{Module, ModuleError, ModuleTree};
 pub use spring::Spring;
+pub use tendon::{JointSum, SoftCoupling, SoftTendon, TendonSpring};
 pub use touching::{
-    Cone, ContactComponents, ContactShape, Impedance, JointSoftness, LoopSoftness, SoftConstraints,
-    Softness, TouchingShape,
+    Cone, ContactComponents, ContactShape, Impedance, JointReference, JointSoftness, LoopSoftness,
+    SoftConstraints, Softness, TouchingShape,
 };
 
 use alloc::{string::String, vec::Vec};
@@ -277,7 +279,7 @@ impl Model {
     /// # Errors
     ///
     /// All defects: a link or a joint that does not exist, a shape on a link that does not move, a
-    /// size that is not above zero, a matrix that is not a rotation, a number that is not finite or
+    /// tendon of a joint with several degrees of freedom, a size that is not above zero, a matrix that is not a rotation, a number that is not finite or
     /// out of its range.
     pub fn with_soft_constraints(mut self, soft: SoftConstraints) -> Result<Self, Vec<ModelError>> {
         self.soft_constraints = soft;

@@ -2,7 +2,7 @@
 
 use alloc::{string::String, vec, vec::Vec};
 
-use super::{LoopConstraintEnd, Model};
+use super::{LoopConstraintEnd, Model, SoftCoupling, SoftTendon};
 use crate::{ContactSurface, StepSettings};
 
 /// The softness of a constraint: how its violation decays, and how much force its violation takes.
@@ -58,6 +58,13 @@ pub struct SoftConstraints {
     pub joints: Vec<JointSoftness>,
     /// The softness of loop constraints whose softness is not `MuJoCo`'s default.
     pub loops: Vec<LoopSoftness>,
+    /// The tendons with limits, friction, springs or dampers.
+    pub tendons: Vec<SoftTendon>,
+    /// The couplings that no mimic joint follows.
+    pub couplings: Vec<SoftCoupling>,
+    /// The joints whose reference coordinates are not neutral. Mobilities are computed at the
+    /// reference coordinates.
+    pub references: Vec<JointReference>,
     /// Whether joint limits stop joints.
     pub joint_limits: bool,
     /// Whether damping and dry friction of joints act in steps where the other functions of the
@@ -73,6 +80,9 @@ impl Default for SoftConstraints {
             shapes: Vec::new(),
             joints: Vec::new(),
             loops: Vec::new(),
+            tendons: Vec::new(),
+            couplings: Vec::new(),
+            references: Vec::new(),
             joint_limits: true,
             joint_friction: false,
         }
@@ -153,6 +163,16 @@ pub struct JointSoftness {
     pub limit: Softness<f64>,
     /// The softness of dry friction.
     pub friction: Softness<f64>,
+}
+
+/// The reference coordinate of a joint with one degree of freedom: `MuJoCo`'s `ref`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct JointReference {
+    /// The index of the joint.
+    pub joint: usize,
+    /// The coordinate, rad or m.
+    pub coordinate: f64,
 }
 
 /// The softness of a loop constraint in steps.

@@ -24,7 +24,7 @@ use modyn_runtime::model::{
 };
 use modyn_runtime::{ConstraintSettings, ContactTarget, Scalar};
 
-use crate::random::{Random, normalize};
+use crate::random::{Random, normalize, with_tendons};
 use numbers::{Reference, evaluate, is_same};
 
 pub use numbers::Arithmetic;
@@ -113,7 +113,7 @@ pub fn large() -> Case {
 
 /// Returns robots of every other kind: all joint types, closed loops, mimic joints, run-time parameters, equal limbs in
 /// routines, loops over bodies, products of matrices in loops, dependent rows of contacts, many
-/// links on one body, bundles, functions of the user, a solver, and actuators.
+/// links on one body, bundles, functions of the user, a solver, tendons, and actuators.
 ///
 /// # Panics
 ///
@@ -139,6 +139,7 @@ pub fn kinds() -> Vec<Case> {
         case("comb", comb().functions(USED)),
         case("own_functions", own_functions()),
         case("solver", solver()),
+        case("tendons", tendons()),
         case("actuators", actuated(true)),
         case("motors", actuated(false)),
     ]
@@ -206,6 +207,12 @@ fn solver() -> Builder {
     let toe = contact("toe", ContactKind::Point, "lower", [0.1, 0.2, -0.3]);
     let pendulum = Builder::new().urdf_text(text, "double_pendulum.urdf").contacts([toe]);
     pendulum.friction(Friction::Coulomb).runtime_gravity().functions([Function::Step])
+}
+
+/// Returns a gripper with tendons and a coupling, one finger of which is a mimic joint.
+fn tendons() -> Builder {
+    let model = robot("mimic_gripper").generate().expect("good").model;
+    Builder::new().model(with_tendons(model, 1)).functions([Function::Step])
 }
 
 /// Returns a gripper with actuators, among them some of a mimic joint and of a tendon, with or

@@ -2,6 +2,7 @@
 
 use modyn::EmbeddedModel;
 use modyn::simulate::{HeightField, State};
+use modyn_codegen::diagnostics::Severity;
 use modyn_codegen::{ReadOptions, read};
 use modyn_runtime::equations::derivatives::ForwardDerivatives;
 use modyn_runtime::quantities::Function;
@@ -20,6 +21,7 @@ modyn::modyn! {
 modyn::modyn! {
     Standing = "../../../modyn-read/tests/mjcf/floor.xml",
     functions = [step, link_poses],
+    unread_forces = warn,
     embed_model = true,
 }
 
@@ -60,25 +62,28 @@ fn steps_on_a_ramp_are_steps_on_its_plane() {
     assert_eq!((next.state.q, next.iterations), (expected.q, expected.iterations));
 }
 
-/// What touches the ground is in the embedded model, in the constants and in the step.
+/// What touches the ground, a tendon and a coupling are in the embedded model and in the step.
 #[test]
 fn shapes_on_a_floor_are_generated() {
     let text = include_str!("../../../modyn-read/tests/mjcf/floor.xml");
-    let model = read(text, "floor.xml", &ReadOptions::default()).expect("an MJCF").model;
+    let options = ReadOptions { unread_forces: Severity::Warning, ..ReadOptions::default() };
+    let model = read(text, "floor.xml", &options).expect("an MJCF").model;
+    let soft = model.soft_constraints();
+    assert_eq!([soft.tendons.len(), soft.couplings.len(), soft.references.len()], [1; 3]);
     assert_eq!(Standing::model(), model);
     assert_eq!(Standing::TOUCHING_SHAPE_NAMES, ["belly", "shank", "heel"]);
     let settings = model.step_settings();
     let contacts: [ContactSurface<f64>; 3] = settings.contacts.try_into().expect("three");
     let settings = StepSettings { tolerance: 1e-12, impratio: settings.impratio, contacts };
     let mut interpreter = Interpreter::<f64>::new(model);
-    let mut q = [0.1, 0.2, -0.35, 0.1, 0.2, 0.3, 0.9, 1.1];
+    let mut q = [0.1, 0.2, -0.35, 0.1, 0.2, 0.3, 0.9, 1.2];
     interpreter.normalize(&mut q).expect("lengths");
     let [qd, tau]: [[f64; Standing::NV]; 2] =
         [0.7, 1.9].map(|k| core::array::from_fn(|i| (k * i as f64 + k).cos()));
     let zeros = [0.0; Standing::NV];
     let step = Standing::step(&q, &qd, &tau, 0.002, &zeros, &settings);
     let forces: Vec<f64> = step.forces.iter().flat_map(|force| force.0).collect();
-    assert!(step.forces.len() == 10 && forces.iter().filter(|force| **force != 0.0).count() > 6);
+    assert!(step.forces.len() == 10 && forces.iter().filter(|force| **force != 0.0).count() > 2);
     let surfaces = settings.contacts.iter().flat_map(ContactSurface::numbers);
     let settings = settings.numbers().into_iter().chain(surfaces).collect();
     let given = [q.to_vec(), qd.to_vec(), tau.to_vec(), vec![0.002], zeros.to_vec(), settings];

@@ -6,7 +6,9 @@
 
 use std::fmt::Write as _;
 
-use modyn_runtime::model::{Actuation, ContactShape, Limits, Link, Model, SoftConstraints, Spring};
+use modyn_runtime::model::{
+    Actuation, ContactShape, JointSum, Limits, Link, Model, SoftConstraints, Spring,
+};
 
 use super::Robot;
 
@@ -124,15 +126,45 @@ fn soft_constraints(model: &Model) -> String {
     }));
     let joints = list(soft.joints.iter().map(|joint| format!("{joint:?}")));
     let loops = list(soft.loops.iter().map(|softness| format!("{softness:?}")));
+    let tendons = list(soft.tendons.iter().map(|tendon| {
+        format!(
+            "SoftTendon {{ name: {:?}.into(), length: {}, range: {:?}, margin: {:?}, limit: {:?}, \
+             dry_friction: {:?}, friction: {:?}, spring: {:?} }}",
+            tendon.name,
+            joint_sum(&tendon.length),
+            tendon.range,
+            tendon.margin,
+            tendon.limit,
+            tendon.dry_friction,
+            tendon.friction,
+            tendon.spring,
+        )
+    }));
+    let couplings = list(soft.couplings.iter().map(|coupling| {
+        let [first, second] = coupling.sums.each_ref().map(joint_sum);
+        format!(
+            "SoftCoupling {{ name: {:?}.into(), sums: [{first}, {second}], polynomial: {:?}, \
+             softness: {:?} }}",
+            coupling.name, coupling.polynomial, coupling.softness,
+        )
+    }));
+    let references = &soft.references;
     format!(
         ".and_then(|model| {{\n            use __modyn::ContactSurface;\n            use __modyn::model::{{Cone, \
-         ContactComponents, ContactShape, Impedance, JointSoftness, LoopSoftness, \
-         SoftConstraints, Softness, TouchingShape}};\n            \
+         ContactComponents, ContactShape, Impedance, JointReference, JointSoftness, JointSum, \
+         LoopSoftness, SoftConstraints, SoftCoupling, SoftTendon, Softness, TendonJoint, TendonSpring, \
+         TouchingShape}};\n            \
          model.with_soft_constraints(SoftConstraints {{ cone: Cone::{:?}, impratio: {:?}, \
          shapes: {shapes}.into(), joints: {joints}.into(), loops: {loops}.into(), \
-         joint_limits: {}, joint_friction: {} }})\n        }})\n        ",
+         tendons: {tendons}.into(), couplings: {couplings}.into(), \
+         references: {references:?}.into(), joint_limits: {}, joint_friction: {} }})\n        }})\n        ",
         soft.cone, soft.impratio, soft.joint_limits, soft.joint_friction
     )
+}
+
+/// Returns a sum of joint coordinates.
+fn joint_sum(sum: &JointSum) -> String {
+    format!("JointSum {{ joints: {:?}.into(), offset: {:?} }}", sum.joints, sum.offset)
 }
 
 /// Returns the call that gives the robot its actuators; empty without actuators.

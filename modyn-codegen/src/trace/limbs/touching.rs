@@ -50,7 +50,8 @@ impl LimbPacking {
         self.velocities().all(|(lanes, _)| {
             let joints = lanes.iter().flatten().filter_map(|&dof| soft.joints[dof].as_ref());
             let mut powers = joints.map(|joint| {
-                [joint.limit, joint.friction].map(|softness| softness.impedance.power)
+                let stops = &joint.stops;
+                [stops.limit, stops.friction].map(|softness| softness.impedance.power)
             });
             let first = powers.next();
             powers.all(|power| Some(power) == first)

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::rc::Rc;
 
 use modyn_runtime::conventions::{quaternion_from_rotation, rotation_from_quaternion};
-use modyn_runtime::model::{Actuation, Inertial};
+use modyn_runtime::model::{Actuation, Inertial, SoftCoupling, SoftTendon};
 use modyn_runtime::spatial::Pose;
 
 use super::contact_law::{self, Carrier};
@@ -13,7 +13,7 @@ use super::geoms;
 use super::ignored::Ignored;
 use super::inertia;
 use super::item::{Item, Naming};
-use super::joints::{self, is_free};
+use super::joints::{self, References, is_free};
 use super::mesh::Meshes;
 use super::models::{Model, Source};
 use super::pose::euler;
@@ -40,8 +40,9 @@ pub struct Bodies<'e, 'r, 'f> {
     pub places: BTreeMap<String, (usize, Pose<f64>)>,
     /// The link and the pose on the link of each site.
     pub sites: BTreeMap<String, (usize, Pose<f64>, usize)>,
-    /// For each joint of the description, its coordinate in the pose in which the model is drawn.
-    pub drawn: Vec<f64>,
+    /// For each joint of the description, its coordinates in the pose in which the model is drawn
+    /// and where a spring is at rest.
+    pub references: Vec<References>,
     /// For each joint of the description that a constraint holds, by its index, its coordinate.
     pub held: BTreeMap<usize, f64>,
     /// For each free joint of the description, by its index, its coordinates in the pose in which
@@ -55,7 +56,11 @@ pub struct Bodies<'e, 'r, 'f> {
     pub attached: Vec<(usize, Rc<Naming>)>,
     /// The geoms that can touch others.
     pub geoms: Vec<contact_law::Geom<'e>>,
-    /// What has no effect in steps.
+    /// The tendons that act in steps, with joints of the description in place of links.
+    pub tendons: Vec<SoftTendon>,
+    /// The couplings that act in steps, with joints of the description in place of links.
+    pub couplings: Vec<SoftCoupling>,
+    /// What does not act in steps, or in steps only.
     pub ignored: Ignored,
     /// Whether pairs of geoms are named, which touch each other in any case.
     pub has_pairs: bool,
@@ -127,7 +132,9 @@ impl<'e, 'r, 'f> Bodies<'e, 'r, 'f> {
             carriers: Vec::new(),
             places: BTreeMap::new(),
             sites: BTreeMap::new(),
-            drawn: Vec::new(),
+            references: Vec::new(),
+            tendons: Vec::new(),
+            couplings: Vec::new(),
             has_shapes: options.shapes,
             held: BTreeMap::new(),
             free_poses: BTreeMap::new(),
@@ -375,7 +382,7 @@ impl<'e, 'r, 'f> Bodies<'e, 'r, 'f> {
                 _ => format!("{name}_joint_{}", k + 1),
             });
             let model = &self.models[joint.model];
-            let (made, reference) = joints::joint(joint, &joint_name, &pose, model, self.report);
+            let (made, references) = joints::joint(joint, &joint_name, &pose, model, self.report);
             if is_free(joint) {
                 let alone = parent.link == 0 && parts.joints.len() == 1;
                 joints::check_free(
@@ -396,9 +403,11 @@ impl<'e, 'r, 'f> Bodies<'e, 'r, 'f> {
             let origin = if is_free(joint) {
                 Pose::identity()
             } else {
-                frame
-                    .compose(&translation(anchor))
-                    .compose(&joints::displacement(made.kind, made.axis, -reference))
+                frame.compose(&translation(anchor)).compose(&joints::displacement(
+                    made.kind,
+                    made.axis,
+                    -references.drawn,
+                ))
             };
             let last = k + 1 == parts.joints.len() && anchor == [0.0; 3];
             let link = if last { name.clone() } else { format!("{name}_behind_{joint_name}") };
@@ -410,7 +419,7 @@ impl<'e, 'r, 'f> Bodies<'e, 'r, 'f> {
             if let Some(numbers) = joints::spring_damper(joint) {
                 self.spring_dampers.push((self.description.joints.len(), numbers));
             }
-            self.push(JointRecord { origin, ..made }, reference, above, child);
+            self.push(JointRecord { origin, ..made }, references, above, child);
             above = child;
             frame = translation(anchor.map(|x| -x));
         }
@@ -419,7 +428,7 @@ impl<'e, 'r, 'f> Bodies<'e, 'r, 'f> {
         if parts.joints.is_empty() || self.description.links[above].name.text != name {
             let child = self.link(name.clone(), at, self.carriers[above]);
             let fixed = JointRecord { origin: frame, ..joints::fixed(format!("{name}_fixed"), at) };
-            self.push(fixed, 0.0, above, child);
+            self.push(fixed, References::default(), above, child);
             above = child;
         }
         let drawn = parent.drawn.compose(&pose);
@@ -434,7 +443,7 @@ impl<'e, 'r, 'f> Bodies<'e, 'r, 'f> {
         self.description.links[above].inertial = inertial;
         if parts.joints.iter().any(is_free) && parts.joints.len() == 1 {
             // The pose of a floating body is its coordinates.
-            self.drawn[first_joint] = 0.0;
+            self.references[first_joint] = References::default();
             let [x, y, z] = drawn.translation;
             let [a, b, c, d] = quaternion_from_rotation(drawn.rotation);
             self.free_poses.insert(first_joint, [x, y, z, a, b, c, d]);
@@ -470,13 +479,13 @@ impl<'e, 'r, 'f> Bodies<'e, 'r, 'f> {
         self.carriers.len() - 1
     }
 
-    /// Adds a joint between two links; in the drawn pose it has this coordinate.
-    fn push(&mut self, joint: JointRecord, drawn: f64, parent: usize, child: usize) {
+    /// Adds a joint between two links.
+    fn push(&mut self, joint: JointRecord, references: References, parent: usize, child: usize) {
         let name = |link: usize| Some(self.description.links[link].name.clone());
         let parent = name(parent);
         let child = name(child);
         self.description.joints.push(JointRecord { parent, child, ..joint });
-        self.drawn.push(drawn);
+        self.references.push(references);
     }
 
     /// Keeps the named sites of a link, which become frames after all bodies have their names.
@@ -519,7 +528,7 @@ impl<'e, 'r, 'f> Bodies<'e, 'r, 'f> {
             let name = taken.unique(&name, "site");
             let child = self.link(name.clone(), at, self.carriers[link]);
             let fixed = JointRecord { origin, ..joints::fixed(format!("{name}_fixed"), at) };
-            self.push(fixed, 0.0, link, child);
+            self.push(fixed, References::default(), link, child);
         }
     }
 

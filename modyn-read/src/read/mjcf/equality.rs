@@ -1,19 +1,19 @@
-//! Constraints of `<equality>`: joints that follow others, and loops.
+//! Constraints of `<equality>`: joints that follow others, soft couplings, and loops.
 
 use std::collections::hash_map::Entry;
 use std::collections::{BTreeSet, HashMap};
 
-use modyn_runtime::model::{LoopConstraintKind, LoopSoftness};
+use modyn_runtime::model::{LoopConstraintKind, LoopSoftness, SoftCoupling};
 use modyn_runtime::spatial::Pose;
 
 use super::bodies::Bodies;
-use super::check::list;
+use super::check::{filled, list};
 use super::contact_law::softness;
 use super::item::Item;
 use super::joints::displacement;
 use super::pose::{from_quaternion, relative};
 use super::table;
-use crate::description::{EndRecord, Kind, Located, LoopRecord, MimicRecord, TakenNames};
+use crate::description::{EndRecord, Kind, Located, LoopRecord, Mimic, MimicRecord, TakenNames};
 use crate::diagnostics::Code;
 use crate::work;
 
@@ -67,6 +67,22 @@ impl Sum {
     }
 }
 
+/// Returns the joints, at most two, whose displacements from the drawn pose have a constant sum with
+/// these factors, if the first of two sums is a constant plus `slope` times the second one; `None`
+/// for more joints.
+fn exact([first, second]: [&[(usize, f64)]; 2], slope: f64) -> Option<Vec<(usize, f64)>> {
+    let second = if slope == 0.0 { &[] } else { second };
+    // The joints of the longer sum that the shorter one cannot cancel.
+    if first.len().abs_diff(second.len()) > 2 {
+        return None;
+    }
+    let mut sum = Sum::default();
+    first.iter().for_each(|&(joint, factor)| sum.add(joint, factor));
+    second.iter().for_each(|&(joint, factor)| sum.add(joint, -slope * factor));
+    sum.factors.retain(|(_, factor)| *factor != 0.0);
+    (sum.factors.len() <= 2).then_some(sum.factors)
+}
+
 /// Returns the joints of a fixed tendon and their coefficients; `None` for another tendon, or if a
 /// joint does not exist.
 pub fn fixed_tendon(tendon: &Item, joints: &HashMap<String, usize>) -> Option<Vec<(usize, f64)>> {
@@ -84,8 +100,9 @@ pub fn fixed_tendon(tendon: &Item, joints: &HashMap<String, usize>) -> Option<Ve
 }
 
 impl<'e> Bodies<'e, '_, '_> {
-    /// Adds the constraints of all models.
-    pub fn equality(&mut self) {
+    /// Adds the constraints of all models. Joints that follow others have no coordinate of their own,
+    /// unless `mimic` says so.
+    pub fn equality(&mut self, mimic: Mimic) {
         if !self.models[0].settings.flags.equality {
             return;
         }
@@ -101,8 +118,8 @@ impl<'e> Bodies<'e, '_, '_> {
                 continue;
             }
             match element.name.as_str() {
-                "joint" => self.coupling(&item, &names),
-                "tendon" => self.tendon_coupling(&item, &mut names),
+                "joint" => self.coupling(&item, &names, mimic),
+                "tendon" => self.tendon_coupling(&item, &mut names, mimic),
                 "connect" | "weld" => self.closure(&item, &mut names.taken),
                 name if table::row("equality", name).is_some() => {
                     let message = format!("the constraint `<{name}>` of `<equality>` is not read");
@@ -130,7 +147,7 @@ impl<'e> Bodies<'e, '_, '_> {
     }
 
     /// Adds a joint that follows another one, or that does not move.
-    fn coupling(&mut self, item: &Item<'e>, names: &Names) {
+    fn coupling(&mut self, item: &Item<'e>, names: &Names, mimic: Mimic) {
         let at = item.element().at;
         let Some(follower) = self.joint_of(item, "joint1", names) else { return };
         let coefficients = item.text("polycoef").and_then(list).unwrap_or_else(|| vec![0.0, 1.0]);
@@ -142,20 +159,40 @@ impl<'e> Bodies<'e, '_, '_> {
             },
             None => None,
         };
-        if leader.is_some() && (2..5).any(|i| coefficient(i) != 0.0) {
-            return self.refuse_polynomial(at, Some(follower));
+        let is_linear = leader.is_none() || (2..5).all(|i| coefficient(i) == 0.0);
+        if is_linear && mimic != Mimic::Independent {
+            return self.follow(at, follower, leader, coefficient(0));
         }
-        self.follow(at, follower, leader, coefficient(0));
+        let leader = leader.map(|(leader, _)| (leader, 1.0));
+        let sums = [&[(follower, 1.0)][..], leader.as_slice()];
+        self.soft_coupling(item, sums, &coefficients, mimic);
     }
 
-    fn refuse_polynomial(&mut self, at: usize, joint: Option<usize>) {
-        let subject = joint.map(|joint| self.description.joints[joint].subject());
-        let message =
-            "it follows another joint by a polynomial of a degree above one, which is not read";
-        let help = "write `polycoef=\"offset multiplier 0 0 0\"` for a linear relation, or \
-                    `active=\"false\"`: both joints \
-                    then move freely";
-        self.report.error(Code::NotRead, at, subject.as_ref(), message, help);
+    /// Adds a coupling that acts in `step` only. `sums` are of displacements from the drawn pose.
+    fn soft_coupling(
+        &mut self,
+        item: &Item<'e>,
+        sums: [&[(usize, f64)]; 2],
+        polynomial: &[f64],
+        mimic: Mimic,
+    ) {
+        let at = item.element().at;
+        let sums = sums.map(|sum| {
+            let drawn = sum.iter().map(|(joint, factor)| factor * self.references[*joint].drawn);
+            let offset = 0.0 - drawn.sum::<f64>();
+            self.joint_sum(sum, offset, at)
+        });
+        let number = self.couplings.len() + 1;
+        let name = item.name().unwrap_or_else(|| format!("coupling_{number}"));
+        if mimic != Mimic::Independent {
+            self.ignored.couplings.push((Some(at), None));
+        }
+        self.couplings.push(SoftCoupling {
+            name,
+            sums,
+            polynomial: filled(Some(polynomial), [0.0; 5]),
+            softness: softness(item, ["solref", "solimp"], &mut self.ignored.powers),
+        });
     }
 
     /// Lets a joint follow another one: its displacement from the drawn pose is a constant plus the
@@ -172,10 +209,10 @@ impl<'e> Bodies<'e, '_, '_> {
             self.report.error(Code::NotRead, at, Some(&subject), message, help);
             return;
         }
-        let drawn = self.drawn[follower];
+        let drawn = self.references[follower].drawn;
         match leader.filter(|(_, multiplier)| *multiplier != 0.0) {
             Some((leader, multiplier)) => {
-                let offset = drawn + constant - multiplier * self.drawn[leader];
+                let offset = drawn + constant - multiplier * self.references[leader].drawn;
                 let leader =
                     Located { text: self.description.joints[leader].name.text.clone(), at };
                 self.description.joints[follower].mimic =
@@ -191,9 +228,9 @@ impl<'e> Bodies<'e, '_, '_> {
         }
     }
 
-    /// Returns the names of the fixed tendons whose length a constraint holds.
-    pub fn held_tendons(&self) -> BTreeSet<String> {
-        if !self.models[0].settings.flags.equality {
+    /// Returns the names of the fixed tendons whose length a constraint holds exactly.
+    pub fn held_tendons(&self, mimic: Mimic) -> BTreeSet<String> {
+        if !self.models[0].settings.flags.equality || mimic == Mimic::Independent {
             return BTreeSet::new();
         }
         let names = self.names();
@@ -205,70 +242,49 @@ impl<'e> Bodies<'e, '_, '_> {
         });
         let held = constraints.filter_map(|item| {
             let name = item.naming.name(item.element().text("tendon1")?);
-            names.tendons.get(&name)?.as_ref().map(|_| name)
+            let joints = names.tendons.get(&name)?.as_ref()?;
+            (joints.len() <= 2).then_some(name)
         });
         held.collect()
     }
 
-    /// Adds the constraint of fixed tendons that concern one joint or two.
-    fn tendon_coupling(&mut self, item: &Item<'e>, names: &mut Names) {
+    /// Adds the constraint of fixed tendons: exact if it is linear and concerns one joint or two.
+    fn tendon_coupling(&mut self, item: &Item<'e>, names: &mut Names, mimic: Mimic) {
         let at = item.element().at;
         let coefficients = item.text("polycoef").and_then(list).unwrap_or_else(|| vec![0.0, 1.0]);
         let coefficient = |i: usize| coefficients.get(i).copied().unwrap_or(0.0);
-        // Of the displacements of joints from the drawn pose: their sum with these factors is a
-        // constant.
-        let mut sum = Sum::default();
-        let mut ends = Vec::new();
-        for (attribute, scale) in [("tendon1", 1.0), ("tendon2", -coefficient(1))] {
+        let mut ends: [&[(usize, f64)]; 2] = [&[]; 2];
+        for (attribute, end) in ["tendon1", "tendon2"].into_iter().zip(&mut ends) {
             let Some(name) = item.element().text(attribute) else { continue };
-            if attribute == "tendon2" && (2..5).any(|i| coefficient(i) != 0.0) {
-                return self.refuse_polynomial(at, None);
-            }
             let Some(Some(tendon)) = names.tendons.get(&item.naming.name(name)) else {
                 let message = "a constraint of a tendon that is not `<fixed>` is not read";
                 let help = "write `active=\"false\"`, or constrain joints or a `<fixed>` tendon";
                 self.report.error(Code::NotRead, at, None, message, help);
                 return;
             };
-            if scale != 0.0 {
-                ends.push((tendon, scale));
+            *end = tendon;
+        }
+        let [first, second] = ends;
+        names.joints_of_tendons += first.len() + second.len();
+        if names.joints_of_tendons > MAX_JOINTS_OF_TENDONS {
+            let message =
+                format!("the tendons of constraints have more than {MAX_JOINTS_OF_TENDONS} joints");
+            let help = "constrain tendons of two joints, or write `<joint>` constraints";
+            self.report.error(Code::Excessive, at, None, message, help);
+            return;
+        }
+        let is_linear = second.is_empty() || (2..5).all(|i| coefficient(i) == 0.0);
+        let is_exact = is_linear && mimic != Mimic::Independent;
+        match exact(ends, coefficient(1)).filter(|_| is_exact).as_deref() {
+            // A constraint that moves no joint has no effect.
+            Some([]) => {}
+            Some([(joint, factor)]) => self.follow(at, *joint, None, coefficient(0) / factor),
+            Some([(joint, factor), (leader, other)]) => {
+                let leader = Some((*leader, -other / factor));
+                self.follow(at, *joint, leader, coefficient(0) / factor);
             }
+            _ => self.soft_coupling(item, ends, &coefficients, mimic),
         }
-        // The joints of the longer tendon that the shorter one cannot cancel.
-        let lengths = |(tendon, _): &(&Vec<(usize, f64)>, f64)| tendon.len();
-        let shorter = if ends.len() == 2 { ends.iter().map(lengths).min() } else { None };
-        let longer = ends.iter().map(lengths).max().unwrap_or(0);
-        if longer - shorter.unwrap_or(0) > 2 {
-            return self.refuse_tendon(at);
-        }
-        for (tendon, scale) in ends {
-            names.joints_of_tendons += tendon.len();
-            if names.joints_of_tendons > MAX_JOINTS_OF_TENDONS {
-                let message = format!(
-                    "the tendons of constraints have more than {MAX_JOINTS_OF_TENDONS} joints"
-                );
-                let help = "constrain tendons of two joints, or write `<joint>` constraints";
-                self.report.error(Code::Excessive, at, None, message, help);
-                return;
-            }
-            tendon.iter().for_each(|(joint, factor)| sum.add(*joint, scale * factor));
-        }
-        let Sum { mut factors, .. } = sum;
-        factors.retain(|(_, factor)| *factor != 0.0);
-        match factors[..] {
-            [(joint, factor)] => self.follow(at, joint, None, coefficient(0) / factor),
-            [(joint, factor), (leader, other)] => {
-                self.follow(at, joint, Some((leader, -other / factor)), coefficient(0) / factor);
-            }
-            _ => self.refuse_tendon(at),
-        }
-    }
-
-    fn refuse_tendon(&mut self, at: usize) {
-        let message = "a constraint of a tendon is read if it concerns one joint or two";
-        let help =
-            "write it as `<joint>` constraints, or `active=\"false\"`: the joints then move freely";
-        self.report.error(Code::NotRead, at, None, message, help);
     }
 
     /// Returns the index of the joint that an attribute names; `None` with an error in the report,

@@ -1,10 +1,10 @@
-//! Warnings of what acts in `MuJoCo`'s steps and has no effect in the function `step`.
+//! Warnings of what acts in `MuJoCo`'s steps and not in the function `step`, or in no other function.
 
 use std::collections::BTreeMap;
 
 use crate::diagnostics::{Code, Place, Report};
 
-/// The places of what acts in `MuJoCo`'s steps and has no effect in `step`.
+/// The places of what acts in `MuJoCo`'s steps and not in `step`, or in no function but `step`.
 #[derive(Default)]
 pub struct Ignored {
     /// Height fields that a geom touches.
@@ -17,14 +17,27 @@ pub struct Ignored {
     pub anisotropic: Vec<Place>,
     /// Curves of impedance whose power is no integer.
     pub powers: Vec<Place>,
-    /// Tendons with limits.
+    /// The integrator, if it is another one than that of `step`.
+    pub integrators: Vec<Place>,
+    /// Tendons with limits that do not act in steps.
     pub tendons: Vec<Place>,
+    /// Couplings of joints and tendons that act in steps only.
+    pub couplings: Vec<Place>,
 }
 
 impl Ignored {
     /// Warns once of each kind.
     pub fn report(self, report: &mut Report<'_>) {
-        let Self { fields, untouched, parameters, anisotropic, powers, tendons } = self;
+        let Self {
+            fields,
+            untouched,
+            parameters,
+            anisotropic,
+            powers,
+            integrators,
+            tendons,
+            couplings,
+        } = self;
         let mut warn = |mut places: Vec<Place>, message: &str, help: &str| {
             places.sort_by_key(|(at, _)| *at);
             places.dedup();
@@ -51,9 +64,21 @@ impl Ignored {
             "write an integer as the fifth number; contacts mix the powers of two geoms",
         );
         warn(
+            integrators,
+            "`step` has the integrator `Euler`, which is implicit in the damping of joints only",
+            "write `integrator=\"Euler\"` to compare with MuJoCo; or give damping to the joints, in place of the \
+             velocity gains of actuators and the damping of tendons",
+        );
+        warn(
             tendons,
-            "the limits of a tendon do not act in `step`",
+            "the limits of a tendon that is not `<fixed>` do not act in `step`",
             "limit its joints by `range`, or write `limited=\"false\"` if the tendon never reaches them",
+        );
+        warn(
+            couplings,
+            "a coupling of joints by a polynomial of a degree above one, or of more than two joints, acts in \
+             `step` only: in all other functions its joints move freely",
+            "couple two joints linearly, for all functions; or write `active=\"false\"`, for no function",
         );
         for (why, places) in untouched {
             let message = format!("a geom does not touch the ground in `step`: {why}");

@@ -52,15 +52,24 @@ pub fn check_free(
     }
 }
 
-/// Returns a joint without its links and origin, and its coordinate in the pose in which the model
-/// is drawn. `pose` is the body's pose.
+/// The coordinates of a hinge or a slide; zero for other joints.
+#[derive(Clone, Copy, Default)]
+pub struct References {
+    /// In the pose in which the model is drawn.
+    pub drawn: f64,
+    /// Where a spring of the joint is at rest.
+    pub spring: f64,
+}
+
+/// Returns a joint without its links and origin, and its coordinates at rest. `pose` is the body's
+/// pose.
 pub fn joint(
     item: &Item,
     name: &str,
     pose: &Pose<f64>,
     model: &Model,
     report: &mut Report<'_>,
-) -> (JointRecord, f64) {
+) -> (JointRecord, References) {
     let subject = Subject::Joint(name.into());
     let at = item.element().at;
     let errors = report.errors();
@@ -144,9 +153,15 @@ pub fn joint(
     let sound = model.is_sound(&item.chain) && report.errors() == errors;
     let kind = Kind::Moving(joint_type);
     let record = fixed(name.into(), at);
-    let reference = if single { angle * item.number("ref").unwrap_or(0.0) } else { 0.0 };
+    let references = match single {
+        true => References {
+            drawn: angle * item.number("ref").unwrap_or(0.0),
+            spring: single_reference(item, angle),
+        },
+        false => References::default(),
+    };
     let record = JointRecord { kind, axis, limits, dynamics, spring, sound, ..record };
-    (JointRecord { actuator_forces, ..record }, reference)
+    (JointRecord { actuator_forces, ..record }, references)
 }
 
 /// Returns the time constant, s, and the damping ratio from which stiffness and damping of a joint
@@ -164,12 +179,17 @@ fn spring_reference(item: &Item, kind: &str, angle: f64, pose: &Pose<f64>) -> Ve
             let rotation = quaternion_from_rotation(pose.rotation);
             [&pose.translation[..], &rotation].concat()
         }
-        _ => vec![angle * item.number("springref").unwrap_or(0.0)],
+        _ => vec![single_reference(item, angle)],
     }
 }
 
+/// Returns the coordinate of the spring of a hinge or a slide at rest.
+fn single_reference(item: &Item, angle: f64) -> f64 {
+    angle * item.number("springref").unwrap_or(0.0)
+}
+
 /// Returns the first coefficient of a polynomial, and whether it has others.
-fn polynomial(item: &Item, name: &str) -> (f64, bool) {
+pub fn polynomial(item: &Item, name: &str) -> (f64, bool) {
     let coefficients = item.text(name).and_then(super::check::list).unwrap_or_default();
     let others = coefficients.iter().skip(1).any(|coefficient| *coefficient != 0.0);
     (coefficients.first().copied().unwrap_or(0.0), others)

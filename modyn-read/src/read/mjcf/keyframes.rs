@@ -144,7 +144,7 @@ impl<'e> Bodies<'e, '_, '_> {
                 self.free_poses.get(&joint).map(|pose| pose.to_vec()).unwrap_or_default()
             }
             JointType::Spherical => vec![0.0, 0.0, 0.0, 1.0],
-            _ => vec![self.drawn[joint]],
+            _ => vec![self.references[joint].drawn],
         }
     }
 }

@@ -29,6 +29,7 @@ mod pose;
 mod settings;
 mod spring_dampers;
 pub(crate) mod table;
+mod tendons;
 mod touching;
 
 use crate::check::gravity_error;
@@ -58,10 +59,11 @@ pub fn describe(text: &str, options: &ReadOptions, report: &mut Report<'_>) -> O
     if options.base == Base::Fixed {
         bodies.fix_base();
     }
-    bodies.equality();
+    bodies.equality(options.mimic);
     bodies.hold_transmissions();
     bodies.fluids(options.unread_forces);
-    bodies.tendons(options.unread_forces);
+    bodies.tendons(options);
+    bodies.hold_tendons();
     bodies.soft_constraints();
     let mut description = bodies.description;
     let error = description.gravity.and_then(gravity_error).filter(|_| options.gravity.is_none());

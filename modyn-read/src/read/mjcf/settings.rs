@@ -3,7 +3,7 @@
 use modyn_runtime::model::Cone;
 
 use super::check::{filled, list, numbers};
-use super::element::Element;
+use super::element::{Attribute, Element};
 use crate::diagnostics::{Code, Report};
 
 /// The least positive number by which MuJoCo divides, its `mjMINVAL`.
@@ -47,6 +47,8 @@ pub struct Settings<'e> {
     pub contacts: bool,
     /// Whether limits stop joints.
     pub limits: bool,
+    /// The integrator, and the place of its name; `None`: MuJoCo's default, `Euler`.
+    pub integrator: Option<&'e Attribute>,
     /// What replaces the parameters of all contacts.
     pub overriding: Option<ContactOverride>,
 }
@@ -182,6 +184,7 @@ impl<'e> Settings<'e> {
             impratio: impratio.filter(|ratio| *ratio > 0.0),
             contacts: !disabled("contact") && !disabled("constraint"),
             limits: !disabled("limit") && !disabled("constraint"),
+            integrator: last("option", "integrator"),
             overriding: (switch("override") == Some("enable"))
                 .then(|| ContactOverride::read(|name| option(name).and_then(list))),
         }

@@ -117,6 +117,7 @@ const TABLE: &[Row] = &[
                 ("viscosity", Exactly(1)),
                 ("cone", Word(&["pyramidal", "elliptic"])),
                 ("impratio", Exactly(1)),
+                ("integrator", Word(&["Euler", "RK4", "implicit", "implicitfast"])),
                 ("o_margin", Exactly(1)),
                 ("o_solref", UpTo(2)),
                 ("o_solimp", UpTo(5)),
@@ -125,7 +126,7 @@ const TABLE: &[Row] = &[
             ],
             "timestep apirate tolerance ls_tolerance noslip_tolerance mpr_tolerance \
              ccd_tolerance sleep_tolerance wind \
-             magnetic integrator collision jacobian solver iterations \
+             magnetic collision jacobian solver iterations \
              ls_iterations noslip_iterations mpr_iterations ccd_iterations sdf_iterations \
              sdf_initpoints",
         ),
@@ -420,9 +421,16 @@ const TABLE: &[Row] = &[
                 ("range", Exactly(2)),
                 ("actuatorfrclimited", AUTO),
                 ("actuatorfrcrange", Exactly(2)),
+                ("limited", AUTO),
+                ("margin", Exactly(1)),
+                ("solreflimit", UpTo(2)),
+                ("solimplimit", UpTo(5)),
+                ("solreffriction", UpTo(2)),
+                ("solimpfriction", UpTo(5)),
+                ("springlength", UpTo(2)),
+                ("springyield", Any),
             ],
-            "group limited solreflimit solimplimit solreffriction \
-             solimpfriction springlength springyield width material margin rgba user",
+            "group width material rgba user",
         ),
     },
     Row {
@@ -439,7 +447,10 @@ const TABLE: &[Row] = &[
     Row {
         parents: &["default"],
         names: &["equality"],
-        treatment: Treatment::Read(&[("active", BOOL)], "solref solimp"),
+        treatment: Treatment::Read(
+            &[("active", BOOL), ("solref", UpTo(2)), ("solimp", UpTo(5))],
+            "",
+        ),
     },
     Row {
         parents: &["equality"],
@@ -454,8 +465,10 @@ const TABLE: &[Row] = &[
                 ("anchor", Exactly(3)),
                 ("site1", Text),
                 ("site2", Text),
+                ("solref", UpTo(2)),
+                ("solimp", UpTo(5)),
             ],
-            "solref solimp",
+            "",
         ),
     },
     Row {
@@ -473,8 +486,10 @@ const TABLE: &[Row] = &[
                 ("torquescale", Exactly(1)),
                 ("site1", Text),
                 ("site2", Text),
+                ("solref", UpTo(2)),
+                ("solimp", UpTo(5)),
             ],
-            "solref solimp",
+            "",
         ),
     },
     Row {
@@ -488,8 +503,10 @@ const TABLE: &[Row] = &[
                 ("joint1", Text),
                 ("joint2", Text),
                 ("polycoef", UpTo(5)),
+                ("solref", UpTo(2)),
+                ("solimp", UpTo(5)),
             ],
-            "solref solimp",
+            "",
         ),
     },
     Row {
@@ -497,13 +514,16 @@ const TABLE: &[Row] = &[
         names: &["tendon"],
         treatment: Treatment::Read(
             &[
+                ("name", Text),
                 ("class", Text),
                 ("active", BOOL),
                 ("tendon1", Text),
                 ("tendon2", Text),
                 ("polycoef", UpTo(5)),
+                ("solref", UpTo(2)),
+                ("solimp", UpTo(5)),
             ],
-            "name solref solimp",
+            "",
         ),
     },
     Row {

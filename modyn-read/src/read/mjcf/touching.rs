@@ -1,8 +1,8 @@
 //! The shapes of bodies that touch planes of the world.
 
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 
-use modyn_runtime::model::{LoopConstraintEnd, SoftConstraints, TouchingShape};
+use modyn_runtime::model::{JointReference, LoopConstraintEnd, SoftConstraints, TouchingShape};
 use modyn_runtime::spatial::{Matrix3, Pose, Vector3};
 
 use super::bodies::Bodies;
@@ -10,7 +10,7 @@ use super::check::list;
 use super::contact_law::{Carrier, Contact, Geom, Law, Pair, is_anisotropic, power};
 use super::geoms::{self, Touching};
 use super::item::Item;
-use crate::description::TakenNames;
+use crate::description::{Description, Kind, Located, TakenNames};
 use crate::diagnostics::{Code, Place};
 
 /// The largest number of shapes that touch the ground.
@@ -92,11 +92,57 @@ impl<'e> Bodies<'e, '_, '_> {
                 }
             }
         }
+        let references = self.references.iter().enumerate();
+        let references = references.filter(|(_, reference)| reference.drawn != 0.0);
+        soft.references = references
+            .map(|(joint, reference)| JointReference { joint, coordinate: reference.drawn })
+            .collect();
         let limits = if soft.joint_limits { self.of_section("tendon") } else { Vec::new() };
-        self.ignored.tendons =
-            limits.iter().filter(|item| self.is_limited(item)).map(place).collect();
+        let spatial = limits.iter().filter(|item| item.element().name != "fixed");
+        self.ignored.tendons = spatial.filter(|item| self.is_limited(item)).map(place).collect();
+        soft.tendons = std::mem::take(&mut self.tendons);
+        soft.couplings = std::mem::take(&mut self.couplings);
+        let integrator = self.models[0].settings.integrator;
+        let integrator =
+            integrator.filter(|attribute| self.differs_from_euler(&attribute.value, &soft));
+        self.ignored.integrators =
+            integrator.iter().map(|attribute| (Some(attribute.at), None)).collect();
         std::mem::take(&mut self.ignored).report(self.report);
         self.description.soft = Some(soft);
+    }
+
+    /// Returns whether an integrator of `MuJoCo` makes other steps than `Euler`. `implicitfast` is implicit
+    /// in the damping of tendons, the velocity gains of actuators and the rotation of bodies that are
+    /// free and carry no joint, too.
+    fn differs_from_euler(&self, integrator: &str, soft: &SoftConstraints) -> bool {
+        match integrator {
+            "Euler" => false,
+            "implicitfast" => {
+                let tendons = soft.tendons.iter().any(|tendon| tendon.spring.damping > 0.0);
+                let mut actuators = self.description.actuation.actuators.iter();
+                let has_gain = actuators.any(|actuator| {
+                    actuator.enabled
+                        && [actuator.bias, actuator.gain].iter().any(|law| law.velocity != 0.0)
+                });
+                tendons || has_gain || self.has_lone_bodies()
+            }
+            _ => true,
+        }
+    }
+
+    /// Returns whether a free body carries no joint that moves.
+    fn has_lone_bodies(&self) -> bool {
+        let Description { links, joints, .. } = &self.description;
+        let names = links.iter().zip(&self.carriers);
+        let carriers: HashMap<&str, usize> =
+            names.map(|(link, carrier)| (link.name.text.as_str(), *carrier)).collect();
+        let carrier = |link: &Option<Located>| carriers.get(link.as_ref()?.text.as_str()).copied();
+        let moving = joints.iter().filter(|joint| matches!(joint.kind, Kind::Moving(_)));
+        let parents: HashSet<usize> = moving.filter_map(|joint| carrier(&joint.parent)).collect();
+        let mut free = self.free_poses.keys();
+        free.any(|joint| {
+            carrier(&joints[*joint].child).is_some_and(|body| !parents.contains(&body))
+        })
     }
 
     /// Returns whether a tendon has a range that limits it.

@@ -10,6 +10,8 @@
 //! Mimic joints couple links across the tree. Robots with mimic joints are solved with the factors
 //! of their mass matrix.
 
+use alloc::vec::Vec;
+
 use super::newton_euler::{Accelerations, free_fall, is_base, link_wrenches};
 use super::{Forces, inverse_dynamics, mass_matrix};
 use crate::Scalar;
@@ -47,11 +49,17 @@ impl Elimination {
         }
     }
 
-    /// Returns the solver for steps of `model`, in which loops are closed.
+    /// Returns the solver for steps of `model`, in which loops are closed and constraint rows couple
+    /// these entries of qd.
     #[must_use]
-    pub fn of_steps<S: Scalar>(model: &Mechanism<S>, modules: &ModuleTree) -> Self {
-        match model.constraints.len() > model.contacts() {
-            true => Self::Matrix(UduLayout::with_loops(model, modules)),
+    pub fn of_steps<S: Scalar>(
+        model: &Mechanism<S>,
+        modules: &ModuleTree,
+        couplings: impl Iterator<Item = Vec<usize>>,
+    ) -> Self {
+        let mut couplings = couplings.peekable();
+        match model.constraints.len() > model.contacts() || couplings.peek().is_some() {
+            true => Self::Matrix(UduLayout::with_couplings(model, modules, couplings)),
             false => Self::new(model, modules),
         }
     }

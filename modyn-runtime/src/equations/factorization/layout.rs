@@ -38,16 +38,21 @@ impl UduLayout {
         if !model.has_mimics() {
             return Self::of(model, ModulePartition::new(model, modules));
         }
-        let (partition, in_front) = coupled(model, modules, &[]);
+        let (partition, in_front) = coupled(model, modules, []);
         Self::with(model.nv, partition, in_front)
     }
 
-    /// Returns the layout for a matrix in which the degrees of freedom that move a loop are coupled,
-    /// too.
+    /// Returns the layout for a matrix in which these entries of qd are coupled, too, and the entries
+    /// that move a loop.
     #[must_use]
-    pub fn with_loops<S: Scalar>(model: &Mechanism<S>, modules: &ModuleTree) -> Self {
+    pub fn with_couplings<S: Scalar>(
+        model: &Mechanism<S>,
+        modules: &ModuleTree,
+        couplings: impl Iterator<Item = Vec<usize>>,
+    ) -> Self {
         let loops = model.constraints.len() - model.contacts();
-        let (partition, in_front) = coupled(model, modules, &model.constraints[..loops]);
+        let loops = model.constraints[..loops].iter().map(|constraint| moving(model, constraint));
+        let (partition, in_front) = coupled(model, modules, loops.chain(couplings));
         Self::with(model.nv, partition, in_front)
     }
 
@@ -171,13 +176,20 @@ fn ancestors<S>(model: &Mechanism<S>, partition: &ModulePartition) -> Vec<Vec<us
     ancestors
 }
 
-/// Returns the partition and the couplings of a robot with mimic joints or loops. A module has the entries
-/// of the joint vectors that belong to its own joints; it has none if all its joints are mimics.
+/// Returns the entries of qd that move the ends of a constraint.
+fn moving<S: Scalar>(model: &Mechanism<S>, constraint: &ConstrainedFrames<S>) -> Vec<usize> {
+    let ends = constraint.ends.iter();
+    let bodies = ends.flat_map(|end| core::iter::successors(end.body, |&i| model.bodies[i].parent));
+    bodies.flat_map(|i| model.dofs_of(i)).map(|dof| dof.v).collect()
+}
+
+/// Returns the partition and the couplings of a robot with mimic joints, or with these coupled entries of qd.
+/// A module has the entries of the joint vectors that belong to its own joints; it has none if all its joints are mimics.
 /// The sparsity pattern of the mass matrix is followed through the elimination.
 fn coupled<S: Scalar>(
     model: &Mechanism<S>,
     modules: &ModuleTree,
-    loops: &[ConstrainedFrames<S>],
+    couplings: impl IntoIterator<Item = Vec<usize>>,
 ) -> (ModulePartition, Vec<Vec<usize>>) {
     let mut partition = ModulePartition::new(model, modules);
     let mut module_of = vec![0; model.nv];
@@ -212,14 +224,9 @@ fn coupled<S: Scalar>(
             at = other.parent.map(|parent| &model.bodies[parent]);
         }
     }
-    for constraint in loops {
-        let bodies = constraint
-            .ends
-            .iter()
-            .flat_map(|end| core::iter::successors(end.body, |&i| model.bodies[i].parent));
-        let moving: Vec<usize> = bodies.flat_map(|i| model.dofs_of(i)).map(|dof| dof.v).collect();
-        for (k, &a) in moving.iter().enumerate() {
-            moving[k + 1..].iter().for_each(|&b| couple(a, b, &mut in_front));
+    for entries in couplings {
+        for (k, &a) in entries.iter().enumerate() {
+            entries[k + 1..].iter().for_each(|&b| couple(a, b, &mut in_front));
         }
     }
     for m in (0..in_front.len()).rev() {

@@ -1,5 +1,5 @@
-//! Steps of robots whose mass matrix is factorized as a whole, since mimic joints or loops couple
-//! its links.
+//! Steps of robots whose mass matrix is factorized as a whole, since mimic joints, loops, tendons or
+//! couplings couple its links.
 
 use alloc::{vec, vec::Vec};
 

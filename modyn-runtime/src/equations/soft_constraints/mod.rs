@@ -1,5 +1,5 @@
-//! Steps with soft contacts, joint limits, dry joint friction and closed loops: MuJoCo's law, solved
-//! by Newton's method on the tree.
+//! Steps with soft contacts, limits and dry friction of joints and tendons, couplings and closed loops:
+//! MuJoCo's law, solved by Newton's method on the tree.
 //!
 //! A constraint row with the Jacobian J has a force f(J a - a*) by its law ([`ContactLaw`],
 //! [`SoftRow`]). The accelerations a minimize the convex function
@@ -14,21 +14,26 @@
 //! residual need no further recursion: after a step a = a0 + M^-1 J^T G holds for forces G of the
 //! rows, so the function's slope is a sum over the rows.
 //!
-//! Loops and mimic joints couple limbs: with them Newton's matrix is factorized as a whole
+//! Loops, tendons, couplings and mimic joints couple limbs: with them Newton's matrix is factorized as a whole
 //! (`dense`).
 
 mod dense;
 mod law;
+mod lengths;
 mod loops;
 mod newton;
 mod problem;
 mod responses;
 mod rows;
 mod shapes;
+mod single_rows;
 mod touching_points;
 
 pub use law::{ContactLaw, Response, RowState, SoftRow};
+pub use lengths::{CouplingParameters, Length, LengthTerm, SpringParameters, TendonParameters};
 pub use newton::{Advance, MAX_ITERATIONS, MAX_SEARCH, Progress, Search, SoftStep, soft_step};
 pub use problem::{Iterate, SoftMotion, StepProblem, moved};
-pub use rows::{ContactParameters, JointParameters, LoopParameters, SoftModel, StepInput};
+pub use rows::{
+    ContactParameters, JointParameters, LoopParameters, SoftModel, StepInput, StopParameters,
+};
 pub use touching_points::{TouchingPoint, touching_points};

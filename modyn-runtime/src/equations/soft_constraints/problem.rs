@@ -3,12 +3,13 @@
 use alloc::{vec, vec::Vec};
 
 use super::dense::DenseProblem;
+use super::lengths::RowEntry;
 use super::loops::LoopRows;
 use super::responses::{Effect, ImplicitDamping, Laws};
 use super::rows::{
-    BodyState, ContactOptions, ContactRows, JointRow, SoftModel, StepInput, body_twists,
-    joint_rows, softness,
+    BodyState, ContactOptions, ContactRows, SoftModel, StepInput, body_twists, softness,
 };
+use super::single_rows::{SingleRow, single_rows};
 use crate::equations::Workspace;
 use crate::equations::dynamics::newton_euler::{Accelerations, link_wrenches};
 use crate::equations::dynamics::{Elimination, add_free_fall, against_fall, is_base};
@@ -67,7 +68,7 @@ fn lanes<S: Scalar, T: BodyTree<S>>(tree: &T) -> Vec<usize> {
     lanes
 }
 
-/// The rows of contacts, of joints and of loops at accelerations.
+/// The rows of contacts, of joints, tendons and couplings, and of loops at accelerations.
 #[derive(Clone, Debug)]
 pub struct Iterate<S> {
     /// The accelerations of the rows.
@@ -83,11 +84,14 @@ pub struct StepProblem<'a, S, T> {
     /// For robots that the factors of a matrix solve.
     dense: Option<DenseProblem<S>>,
     input: StepInput<'a, S>,
+    /// The joint forces, with the forces of springs and dampers of tendons.
+    tau: Vec<S>,
     workspace: &'a mut Workspace<S>,
     /// The wrenches of the bodies at zero joint accelerations.
     bias: Vec<Wrench<S>>,
     contacts: Vec<ContactRows<S>>,
-    joints: Vec<JointRow<S>>,
+    /// The rows of joints, tendons and couplings.
+    single_rows: Vec<SingleRow<S>>,
     loops: Vec<LoopRows<S>>,
     /// The number of lanes of each row.
     lanes: Vec<usize>,
@@ -115,10 +119,15 @@ impl<'a, S: Scalar, T: BodyTree<S>> StepProblem<'a, S, T> {
         let model = tree.mechanism();
         let surfaces = settings.contacts.as_ref();
         let StepInput { q, qd, dt, .. } = input;
+        let mut tau = input.tau.to_vec();
+        soft.tendons.iter().for_each(|tendon| tendon.add_passive_forces(input, &mut tau));
         elimination.reserve(model, workspace);
         let dense = match elimination {
             Elimination::Recursive(_) => None,
-            Elimination::Matrix(_) => Some(DenseProblem::new(model, input, workspace)),
+            Elimination::Matrix(_) => {
+                let input = StepInput { tau: &tau, ..input };
+                Some(DenseProblem::new(model, input, workspace))
+            }
         };
         workspace.move_with_forces(tree, q, Some(qd));
         link_wrenches(tree, qd, Accelerations::FreeFall, workspace);
@@ -159,7 +168,7 @@ impl<'a, S: Scalar, T: BodyTree<S>> StepProblem<'a, S, T> {
                 *reference = *reference - turned;
             }
         }
-        let joints = joint_rows(&soft.joints, input);
+        let single_rows = single_rows(soft, input);
         body_twists(tree, &fall, workspace);
         let constraints = model.constraints.iter().zip(&soft.loops);
         let loops = constraints.map(|(constraint, parameters)| {
@@ -171,16 +180,17 @@ impl<'a, S: Scalar, T: BodyTree<S>> StepProblem<'a, S, T> {
         let lanes_of_contacts = contacts
             .iter()
             .flat_map(|contact| vec![lanes_of_bodies[contact.body]; contact.count()]);
-        let lanes_of_joints = joints.iter().map(|row| {
-            let moved = model.dofs.iter().find(|dof| dof.v == row.dof);
+        let lanes_of_single_rows = single_rows.iter().map(|row| {
+            let [entry] = &row.entries[..] else { return 1 };
+            let moved = model.dofs.iter().find(|dof| dof.v == entry.dof);
             moved.map_or(1, |dof| lanes_of_bodies[dof.body])
         });
         let lanes_of_loops = loops.iter().flat_map(|rows| vec![1; rows.rows.len()]);
-        let lanes = lanes_of_contacts.chain(lanes_of_joints).chain(lanes_of_loops).collect();
+        let lanes = lanes_of_contacts.chain(lanes_of_single_rows).chain(lanes_of_loops).collect();
         let mut problem = Self {
             bias,
             contacts,
-            joints,
+            single_rows,
             loops,
             lanes,
             softening: S::one(),
@@ -192,6 +202,7 @@ impl<'a, S: Scalar, T: BodyTree<S>> StepProblem<'a, S, T> {
             elimination,
             dense: None,
             input,
+            tau,
             workspace,
         };
         problem.softening = problem.softening(soft, surfaces);
@@ -224,16 +235,16 @@ impl<'a, S: Scalar, T: BodyTree<S>> StepProblem<'a, S, T> {
         self.lanes.len()
     }
 
-    /// Returns the entry of qd of each row of a joint.
-    pub fn joints_of_rows(&self) -> impl Iterator<Item = usize> {
-        self.joints.iter().map(|row| row.dof)
+    /// Returns the entries of qd of each row of a joint, a tendon or a coupling.
+    pub fn joints_of_rows(&self) -> impl Iterator<Item = Vec<usize>> {
+        self.single_rows.iter().map(|row| row.entries.iter().map(|entry| entry.dof).collect())
     }
 
-    /// Returns a number that is zero if no limit of a joint acts, else positive or NaN.
+    /// Returns a number that is zero if no limit acts, else positive or NaN.
     pub fn limits(&self) -> S {
         let contacts = self.contacts.iter().map(ContactRows::count).sum();
         let weights = core::iter::repeat_n(S::zero(), contacts)
-            .chain(self.joints.iter().map(JointRow::weight_of_limit));
+            .chain(self.single_rows.iter().map(SingleRow::weight_of_limit));
         self.reduce(weights, |a, b| a + b)
     }
 
@@ -248,14 +259,14 @@ impl<'a, S: Scalar, T: BodyTree<S>> StepProblem<'a, S, T> {
 
     /// Returns the laws at an iterate. All weights are scaled.
     pub(super) fn laws(&self, iterate: &Iterate<S>, scale: S) -> Laws<S> {
-        let (contacts, single_rows) = by_contacts(&self.contacts, &iterate.accelerations);
-        let (of_joints, of_loops) = single_rows.split_at(self.joints.len());
-        let joints = self.joints.iter().zip(of_joints);
+        let (contacts, rest) = by_contacts(&self.contacts, &iterate.accelerations);
+        let (of_single_rows, of_loops) = rest.split_at(self.single_rows.len());
+        let single_rows = self.single_rows.iter().zip(of_single_rows);
         let rows_of_loops = self.loops.iter().flat_map(|closed| &closed.rows);
         let loops = rows_of_loops.zip(of_loops);
         Laws {
             contacts: contacts.map(|(contact, a)| contact.law.scaled(scale).response(a)).collect(),
-            single_rows: (joints.map(|(row, &a)| row.scaled(scale).response(a)))
+            single_rows: (single_rows.map(|(row, &a)| row.scaled(scale).response(a)))
                 .chain(loops.map(|(row, &a)| row.scaled(scale).response(a)))
                 .collect(),
         }
@@ -309,10 +320,10 @@ impl<'a, S: Scalar, T: BodyTree<S>> StepProblem<'a, S, T> {
             .contacts
             .iter()
             .flat_map(|contact| contact.acceleration(&self.workspace.twists[contact.body]));
-        let joints = self.joints.iter().map(|row| row.sign * self.accelerations[row.dof]);
+        let single_rows = self.single_rows.iter().map(|row| row.acceleration(&self.accelerations));
         let twists = &self.workspace.twists;
         let loops = self.loops.iter().flat_map(|rows| rows.accelerations(twists));
-        contacts.chain(joints).chain(loops).collect()
+        contacts.chain(single_rows).chain(loops).collect()
     }
 
     /// Computes the joint accelerations, relative to free fall, under these forces of the rows, and the accelerations of the bodies.
@@ -327,16 +338,16 @@ impl<'a, S: Scalar, T: BodyTree<S>> StepProblem<'a, S, T> {
             }
             (Elimination::Matrix(_), None) => unreachable!("the matrix is there from the start"),
         };
-        let Self { tree, workspace, contacts, joints, .. } = self;
+        let Self { tree, workspace, contacts, single_rows, .. } = self;
         workspace.wrenches.copy_from_slice(&self.bias);
-        let mut tau = self.input.tau.to_vec();
-        let (of_contacts, of_joints) = by_contacts(contacts, forces);
+        let mut tau = self.tau.clone();
+        let (of_contacts, of_single_rows) = by_contacts(contacts, forces);
         for (contact, force) in of_contacts {
             let wrench = &mut workspace.wrenches[contact.body];
             *wrench = *wrench - contact.wrench(force);
         }
-        for (row, &force) in joints.iter().zip(of_joints) {
-            tau[row.dof] = tau[row.dof] + row.sign * force;
+        for (row, &force) in single_rows.iter().zip(of_single_rows) {
+            row.add_force(force, &mut tau);
         }
         match effect {
             Effect::Stiff(laws) => {
@@ -345,9 +356,13 @@ impl<'a, S: Scalar, T: BodyTree<S>> StepProblem<'a, S, T> {
                     let sum = &mut workspace.added_inertia[contact.body];
                     *sum = Some(sum.map_or(inertia, |sum| sum + inertia));
                 }
-                for (row, &[_, stiffness]) in joints.iter().zip(&laws.single_rows) {
-                    let sum = &mut workspace.added_armature[row.dof];
-                    *sum = Some(sum.map_or(stiffness, |sum| sum + stiffness));
+                for (row, &[_, stiffness]) in single_rows.iter().zip(&laws.single_rows) {
+                    // A row with several entries needs the factors of the whole matrix.
+                    for &RowEntry { dof, factor } in &row.entries {
+                        let stiffness = factor * stiffness * factor;
+                        let sum = &mut workspace.added_armature[dof];
+                        *sum = Some(sum.map_or(stiffness, |sum| sum + stiffness));
+                    }
                 }
             }
             Effect::Forces(dampings) => {
@@ -397,13 +412,14 @@ impl<'a, S: Scalar, T: BodyTree<S>> StepProblem<'a, S, T> {
             dofs.iter().find(|dof| dof.v == joint).map_or(1, |dof| lanes_of_bodies[dof.body])
         };
         let joints = soft.joints.iter().enumerate().flat_map(|(dof, joint)| {
-            let limits = joint.iter().filter(|joint| joint.range.iter().any(Option::is_some));
-            let rubs = joint.iter().filter(|joint| joint.dry_friction.is_some());
-            let softness = limits.map(|joint| joint.limit).chain(rubs.map(|joint| joint.friction));
+            let softness = joint.iter().flat_map(|joint| joint.stops.softness());
             softness.map(move |softness| (softness.impedance.softening(), lanes_of_joint(dof)))
         });
-        let loops = soft.loops.iter().map(|rows| (rows.softness.impedance.softening(), 1));
-        contacts.chain(joints).chain(loops).fold(S::one(), |least, (softening, lanes)| {
+        let tendons = soft.tendons.iter().flat_map(|tendon| tendon.stops.softness());
+        let couplings = soft.couplings.iter().map(|coupling| coupling.softness);
+        let others = couplings.chain(tendons).chain(soft.loops.iter().map(|rows| rows.softness));
+        let others = others.map(|softness| (softness.impedance.softening(), 1));
+        contacts.chain(joints).chain(others).fold(S::one(), |least, (softening, lanes)| {
             (0..lanes)
                 .fold(least, |least, lane| at_most(least, self.tree.extract_lane(softening, lane)))
         })
@@ -430,17 +446,17 @@ impl<'a, S: Scalar, T: BodyTree<S>> StepProblem<'a, S, T> {
     }
 }
 
-/// Returns the contacts with the numbers of their rows, and the numbers of the rows of joints.
+/// Returns the contacts with the numbers of their rows, and the numbers of all other rows.
 fn by_contacts<'a, S: Scalar>(
     contacts: &'a [ContactRows<S>],
     mut numbers: &'a [S],
 ) -> (impl Iterator<Item = (&'a ContactRows<S>, &'a [S])>, &'a [S]) {
     let count = contacts.iter().map(ContactRows::count).sum();
-    let joints = &numbers[count..];
+    let rest = &numbers[count..];
     let contacts = contacts.iter().map(move |contact| {
-        let (first, rest) = numbers.split_at(contact.count());
-        numbers = rest;
+        let (first, others) = numbers.split_at(contact.count());
+        numbers = others;
         (contact, first)
     });
-    (contacts, joints)
+    (contacts, rest)
 }

@@ -9,7 +9,7 @@ use crate::Scalar;
 pub(super) struct Laws<S> {
     /// The response of each contact.
     pub contacts: Vec<Response<S>>,
-    /// The force and the stiffness of each row of a joint, then of a loop.
+    /// The force and the stiffness of each row of a joint, a tendon or a coupling, then of a loop.
     pub single_rows: Vec<[S; 2]>,
 }
 

@@ -1,14 +1,13 @@
-//! The rows of soft constraints at a state: contacts of points with planes, joint limits, dry joint
-//! friction.
+//! The parameters of soft constraints, and the rows of contacts of points with planes.
 
 use alloc::{vec, vec::Vec};
 
 use super::law::{self, ContactLaw, Response, RowState};
+use super::lengths::{CouplingParameters, TendonParameters};
 use super::shapes;
 use crate::equations::Workspace;
 use crate::mechanism::{BodyTree, Mechanism};
 use crate::model::{Cone, ContactComponents, ContactShape, Impedance, Softness};
-use crate::scalar::{at_least, at_most};
 use crate::spatial::{ArticulatedInertia, Matrix3, Pose, Symmetric3, Twist, Vector3, Wrench};
 use crate::{ContactSurface, Scalar};
 
@@ -41,6 +40,10 @@ pub struct SoftModel<S> {
     /// The limits and dry friction of each entry of qd; entries of joints with several degrees of freedom
     /// have none.
     pub joints: Vec<Option<JointParameters<S>>>,
+    /// The tendons.
+    pub tendons: Vec<TendonParameters<S>>,
+    /// The couplings of joints and of tendons.
+    pub couplings: Vec<CouplingParameters<S>>,
     /// The loop constraints.
     pub loops: Vec<LoopParameters<S>>,
 }
@@ -79,13 +82,21 @@ pub struct ContactParameters<S> {
 pub struct JointParameters<S> {
     /// The entry of q.
     pub coordinate: usize,
-    /// The least and the largest coordinate, rad or m.
+    /// The limits and the dry friction.
+    pub stops: StopParameters<S>,
+}
+
+/// The parameters of the limits and of the dry friction of a joint's coordinate or of a tendon's
+/// length.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StopParameters<S> {
+    /// The least and the largest coordinate or length, rad or m.
     pub range: [Option<S>; 2],
     /// Whether both limits can act at once, since the range is narrower than twice the margin.
     pub narrow: bool,
     /// The distance from which on a limit acts, rad or m.
     pub margin: S,
-    /// The mobility of the joint, 1/(kg m^2) or 1/kg: MuJoCo's `dof_invweight0`.
+    /// The mobility, 1/(kg m^2) or 1/kg: MuJoCo's `dof_invweight0` or `tendon_invweight0`.
     pub mobility: S,
     /// The softness of the limits.
     pub limit: Softness<S>,
@@ -130,19 +141,6 @@ pub(super) struct BodyState<S> {
     pub velocity: Twist<S>,
     /// The linear acceleration in free fall, in the body's axes; zero for a body on a fixed base.
     pub fall: Vector3<S>,
-}
-
-/// A limit or the dry friction of a joint at a state.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct JointRow<S> {
-    /// The degree of freedom, which is also the entry of qd.
-    pub dof: usize,
-    /// The sign of the row: 1 for the lower limit and for friction, -1 for the upper limit.
-    pub sign: S,
-    pub weight: S,
-    pub reference: S,
-    /// The largest force of dry friction; `None` for a limit.
-    most: Option<S>,
 }
 
 impl<S: Scalar> ContactRows<S> {
@@ -319,8 +317,14 @@ impl<S: Copy> LoopParameters<S> {
 impl<S: Copy> JointParameters<S> {
     /// Returns the parameters with `f` applied to their numbers.
     pub fn map<T>(&self, f: impl Fn(S) -> T + Copy) -> JointParameters<T> {
-        JointParameters {
-            coordinate: self.coordinate,
+        JointParameters { coordinate: self.coordinate, stops: self.stops.map(f) }
+    }
+}
+
+impl<S: Copy> StopParameters<S> {
+    /// Returns the parameters with `f` applied to their numbers.
+    pub fn map<T>(&self, f: impl Fn(S) -> T + Copy) -> StopParameters<T> {
+        StopParameters {
             range: self.range.map(|end| end.map(f)),
             narrow: self.narrow,
             margin: f(self.margin),
@@ -329,6 +333,13 @@ impl<S: Copy> JointParameters<S> {
             dry_friction: self.dry_friction.map(f),
             friction: self.friction.map(f),
         }
+    }
+
+    /// Returns the softness of each kind of row.
+    pub(super) fn softness(&self) -> impl Iterator<Item = Softness<S>> {
+        let has_limits = self.range.iter().any(Option::is_some);
+        let limit = has_limits.then_some(self.limit);
+        limit.into_iter().chain(self.dry_friction.map(|_| self.friction))
     }
 }
 
@@ -359,6 +370,8 @@ impl<S: Copy> SoftModel<S> {
             contacts: self.contacts.iter().map(|contact| contact.map(f)).collect(),
             damping: self.damping.iter().map(|damping| damping.map(f)).collect(),
             loops: self.loops.iter().map(|parameters| parameters.map(f)).collect(),
+            tendons: self.tendons.iter().map(|tendon| tendon.map(f)).collect(),
+            couplings: self.couplings.iter().map(|coupling| coupling.map(f)).collect(),
             joints: self.joints.iter().map(|joint| joint.map(|joint| joint.map(f))).collect(),
         }
     }
@@ -379,19 +392,52 @@ impl<S: Scalar> SoftModel<S> {
 }
 
 impl<S: Copy> SoftModel<S> {
-    /// Returns the constraints of the solvers, of which a step needs one: without the limits of
-    /// joints if there are any, for steps in which none acts, then with all constraints.
+    /// Returns the constraints of the solvers, of which a step needs one: without limits if there
+    /// are any, for steps in which none acts, then with all constraints.
     #[must_use]
     pub fn solvers(&self) -> Vec<Self> {
         let mut unlimited = self.clone();
-        for joint in unlimited.joints.iter_mut().flatten() {
-            joint.range = [None; 2];
+        let mut has_limits = false;
+        for stops in unlimited.stops() {
+            has_limits |= stops.range.iter().any(Option::is_some);
+            stops.range = [None; 2];
         }
-        let mut limits = self.joints.iter().flatten().flat_map(|joint| joint.range);
-        match limits.any(|limit| limit.is_some()) {
+        match has_limits {
             true => vec![unlimited, self.clone()],
             false => vec![unlimited],
         }
+    }
+
+    /// Returns the limits and the dry friction of joints and tendons.
+    fn stops(&mut self) -> impl Iterator<Item = &mut StopParameters<S>> {
+        let joints = self.joints.iter_mut().flatten().map(|joint| &mut joint.stops);
+        joints.chain(self.tendons.iter_mut().map(|tendon| &mut tendon.stops))
+    }
+
+    /// Returns whether loops, tendons or couplings are on several limbs, or can be.
+    #[must_use]
+    pub fn acts_across_limbs(&self) -> bool {
+        !(self.loops.is_empty() && self.tendons.is_empty() && self.couplings.is_empty())
+    }
+
+    /// Returns whether rows couple limbs, so that the mass matrix is factorized as a whole.
+    #[must_use]
+    pub fn couples_limbs(&self) -> bool {
+        !self.loops.is_empty() || self.coupled_joints().next().is_some()
+    }
+
+    /// Returns the entries of qd that each tendon and each coupling moves, if they are several.
+    pub fn coupled_joints(&self) -> impl Iterator<Item = Vec<usize>> {
+        let tendons = self.tendons.iter().filter(|tendon| tendon.stops.softness().next().is_some());
+        let tendons = tendons.map(|tendon| core::slice::from_ref(&tendon.length));
+        let lengths = tendons.chain(self.couplings.iter().map(|coupling| &coupling.lengths[..]));
+        lengths.filter_map(|lengths| {
+            let terms = lengths.iter().flat_map(|length| &length.terms);
+            let mut joints: Vec<usize> = terms.map(|term| term.dof).collect();
+            joints.sort_unstable();
+            joints.dedup();
+            (joints.len() > 1).then_some(joints)
+        })
     }
 }
 
@@ -401,82 +447,6 @@ pub(super) fn softness<S: Scalar>(surface: &ContactSurface<S>, power: u32) -> So
     Softness {
         reference: surface.solref,
         impedance: Impedance { least, most, width, midpoint, power },
-    }
-}
-
-/// Returns the rows of joints with one degree of freedom.
-pub(super) fn joint_rows<S: Scalar>(
-    parameters: &[Option<JointParameters<S>>],
-    input: StepInput<'_, S>,
-) -> Vec<JointRow<S>> {
-    let mut rows = Vec::new();
-    for (dof, parameters) in parameters.iter().enumerate() {
-        let Some(parameters) = parameters else { continue };
-        let JointParameters { range: [low, high], margin, mobility, .. } = *parameters;
-        let coordinate = input.q[parameters.coordinate];
-        let velocity = input.qd[dof];
-        let one = S::one();
-        let [below, above] = [low.map(|low| coordinate - low), high.map(|high| high - coordinate)];
-        let stops = match (below, above) {
-            (Some(below), Some(above)) if !parameters.narrow => {
-                let lower_is_nearer = above - below;
-                let sign = lower_is_nearer.select_nonnegative(one, -one);
-                [Some((sign, lower_is_nearer.select_nonnegative(below, above))), None]
-            }
-            _ => [below.map(|below| (one, below)), above.map(|above| (-one, above))],
-        };
-        for (sign, distance) in stops.into_iter().flatten() {
-            let position = distance - margin;
-            let state = RowState { position, velocity: sign * velocity, mobility };
-            let row = parameters.limit.row(&state, input.dt);
-            rows.push(JointRow {
-                dof,
-                sign,
-                weight: position.select_nonnegative(S::zero(), row.weight),
-                reference: position.select_nonnegative(S::zero(), row.reference),
-                most: None,
-            });
-        }
-        if let Some(most) = parameters.dry_friction {
-            let state = RowState { position: S::zero(), velocity, mobility };
-            let row = parameters.friction.row(&state, input.dt);
-            rows.push(JointRow {
-                dof,
-                sign: S::one(),
-                weight: row.weight,
-                reference: parameters.friction.damped(velocity, input.dt),
-                most: Some(most),
-            });
-        }
-    }
-    rows
-}
-
-impl<S: Scalar> JointRow<S> {
-    /// Returns the weight of a limit; zero for dry friction.
-    pub(super) fn weight_of_limit(&self) -> S {
-        if self.most.is_some() { S::zero() } else { self.weight }
-    }
-
-    /// Returns the row with the weight times `scale`.
-    pub(super) fn scaled(&self, scale: S) -> Self {
-        Self { weight: self.weight * scale, ..*self }
-    }
-
-    /// Returns the force at an acceleration of the row, and minus its derivative.
-    pub(super) fn response(&self, acceleration: S) -> [S; 2] {
-        let zero = S::zero();
-        let force = -(self.weight * (acceleration - self.reference));
-        match self.most {
-            // A limit only pushes.
-            None => {
-                [force.select_nonnegative(force, zero), force.select_nonnegative(self.weight, zero)]
-            }
-            Some(most) => {
-                let within = (most - force.abs()).select_nonnegative(self.weight, zero);
-                [at_least(at_most(force, most), -most), within]
-            }
-        }
     }
 }
 
