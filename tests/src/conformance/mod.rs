@@ -546,12 +546,17 @@ fn calls_of<B: BackEnd>(
                 });
             }
             if state >= STATES - 2 && !matches!(arithmetic, Arithmetic::Own(_)) {
-                // Special settings, times and random numbers are errors in Python.
+                // A special flag of a contact is no boolean. Special settings, times and random
+                // numbers are errors in Python.
+                let mut given = planned.arguments.iter().filter(|(_, shape)| !shape.is_empty());
+                let has_flags = given.any(|(argument, _)| argument.name == "contacts");
+                let can_be_special = |name: &str| match has_flags && state == STATES - 1 {
+                    true => name == "contacts",
+                    false => !["settings", "step_settings", "dt", "uniforms"].contains(&name),
+                };
                 let mut ordinary: Vec<&mut f64> = (planned.arguments.iter())
                     .zip(&mut arguments)
-                    .filter(|((argument, _), _)| {
-                        !["settings", "step_settings", "dt", "uniforms"].contains(&argument.name)
-                    })
+                    .filter(|((argument, _), _)| can_be_special(argument.name))
                     .flat_map(|(_, numbers)| numbers)
                     .collect();
                 set_special(&mut random, &mut ordinary);

@@ -23,11 +23,36 @@ impl Robot<'_> {
              const _: () = assert!({upper}_NQ == {name}::NQ && {upper}_NV == {name}::NV);"
         );
         for quantity in quantities.iter().filter(|quantity| in_c(quantity)) {
-            self.c_function(text, prefix, quantity);
+            let called = quantity.name;
+            match quantity.with_numbers_of_contacts() {
+                Some(of_numbers) => {
+                    self.c_function(text, prefix, &of_numbers, &name_of_numbers(called));
+                }
+                None => self.c_function(text, prefix, quantity, called),
+            }
         }
     }
 
-    fn c_function(&self, text: &mut String, prefix: &str, quantity: &Quantity<'_>) {
+    /// Prints the type's own function that a function for C calls, if sets of contacts are numbers
+    /// there: a set of booleans has no NaN.
+    pub(super) fn function_of_numbers(&self, text: &mut String, quantity: &Quantity<'_>) {
+        if self.options.c_prefix.is_none() || !in_c(quantity) {
+            return;
+        }
+        let Some(of_numbers) = quantity.with_numbers_of_contacts() else { return };
+        let float = self.options.scalar.name();
+        let _ = writeln!(
+            text,
+            "fn {}({}) -> {} {{\n    {}\n}}",
+            name_of_numbers(quantity.name),
+            self.typed(&of_numbers, None, float),
+            quantity.shape.type_of(float),
+            self.call(&of_numbers, &self.default_parameters()),
+        );
+    }
+
+    /// Prints a function for C that calls the type's own function `called`.
+    fn c_function(&self, text: &mut String, prefix: &str, quantity: &Quantity<'_>, called: &str) {
         let name = self.name;
         let float = self.options.scalar.name();
         let function = quantity.name;
@@ -43,13 +68,7 @@ impl Robot<'_> {
         let mut lets = String::new();
         for parameter in &quantity.parameters {
             if parameter.is_contacts() {
-                let contacts_type = self.contacts_type();
-                arguments.push(match parameter.shape.is_empty() {
-                    true => contacts_type,
-                    false => {
-                        format!("{contacts_type}::from_array({}.map(|x| x != 0.0))", parameter.name)
-                    }
-                });
+                arguments.push(self.contacts_type());
             } else if parameter.shape.is_empty() {
                 arguments.push("&[]".into());
             } else if matches!(parameter.shape, Shape::Scalar) {
@@ -96,7 +115,7 @@ impl Robot<'_> {
                 "let ::core::option::Option::Some(&link) = {name}Link::ALL.get(link) else {{\nreturn false;\n}};"
             );
         }
-        let call = format!("{name}::{function}({})", arguments.join(", "));
+        let call = format!("{name}::{called}({})", arguments.join(", "));
         if scalar {
             let _ = writeln!(text, "{call}");
         } else if quantity.shape.is_vector() {
@@ -112,6 +131,12 @@ impl Robot<'_> {
         }
         text.push_str(if by_link { "true\n}\n" } else { "}\n" });
     }
+}
+
+/// Returns the name of the type's own function that takes a number for each contact. Functions of
+/// users have no such names.
+fn name_of_numbers(function: &str) -> String {
+    format!("__{function}")
 }
 
 /// Returns whether C can call the function. The results of the others are Rust types.

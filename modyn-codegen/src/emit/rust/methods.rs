@@ -63,6 +63,11 @@ impl Robot<'_> {
         first.into_iter().chain(signature).chain(link).collect::<Vec<_>>().join(", ")
     }
 
+    /// Returns the run-time parameters of the description.
+    pub(super) fn default_parameters(&self) -> String {
+        format!("&{}Params::DEFAULT.numbers", self.name)
+    }
+
     /// Prints the type's own functions.
     pub(super) fn own_functions(&self, text: &mut String, quantities: &[Quantity<'_>]) {
         let name = self.name;
@@ -78,8 +83,9 @@ impl Robot<'_> {
                 text,
                 "{docs}#[must_use]\npub fn {function}({}) -> {returned} {{\n    {}\n}}",
                 self.typed(quantity, None, float),
-                self.call(quantity, &format!("&{name}Params::DEFAULT.numbers")),
+                self.call(quantity, &self.default_parameters()),
             );
+            self.function_of_numbers(text, quantity);
             if quantity.runtime_parameter().is_some() {
                 let params = format!("params: &{name}Params");
                 let _ = writeln!(

@@ -5,6 +5,7 @@ use super::shape::Shape;
 use crate::plan::{self, Argument, CForm, Function, Kernels, Planned};
 
 /// A planned function with its Rust types.
+#[derive(Clone)]
 pub(super) struct Quantity<'a> {
     /// The function; `None` for a bundle and a user's function.
     pub function: Option<Function>,
@@ -49,6 +50,15 @@ impl<'a> Quantity<'a> {
             fields: &planned.fields,
             c_form: planned.c_form,
         }
+    }
+
+    /// Returns the function with a number for each contact, as C passes a set of contacts; `None`
+    /// for a function without contacts.
+    pub fn with_numbers_of_contacts(&self) -> Option<Self> {
+        let mut of_numbers = self.clone();
+        let mut parameters = of_numbers.parameters.iter_mut();
+        parameters.find(|p| p.is_contacts() && !p.shape.is_empty())?.kind = None;
+        Some(of_numbers)
     }
 
     /// Returns the parameter of a private function for the run-time parameters.
