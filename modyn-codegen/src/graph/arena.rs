@@ -168,6 +168,13 @@ impl Graph {
     /// Returns the index of `node`, whose operands are nodes of this graph; creates it unless the
     /// graph has an equal node.
     pub fn make(&mut self, node: Node) -> Id {
+        // Beyond the limit, no rewrite looks for other nodes: equations may have a hundred times as
+        // many operations as the limit.
+        if self.nodes.len() >= self.limit
+            && let Ok(known) = self.beyond_limit(node)
+        {
+            return known;
+        }
         if let Some(folded) = self.fold_lanes(node) {
             return folded;
         }
