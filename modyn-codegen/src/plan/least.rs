@@ -19,13 +19,17 @@ use super::limit::{MAX_NODES, MAX_OPERATIONS, RESULTS};
 /// have.
 const COUNTED_CONSTRAINTS: usize = 120;
 
+/// The number of entries of the factors of a mass matrix that may be equal: those of parallel joints.
+const EQUAL_ENTRIES: usize = 4;
+
 /// The relative difference of two values that vary. A smaller one may be rounding.
 const VARIES: f64 = 1e-6;
 
 impl PlanContext<'_> {
     /// Returns a number of operations that a function takes at least, without tracing it: some for
     /// its results, for the factors of the mass matrix if the function has a dense solution or
-    /// result, one for each ancestor of a link, and some for the elimination of constraint rows.
+    /// result, one for each ancestor of a link, and some for the elimination of constraint rows. A
+    /// step takes those of forward dynamics.
     /// `usize::MAX` if its graph on scalars alone has too many nodes.
     pub(super) fn least_operations(&self, function: Function) -> usize {
         let row = function.row();
@@ -43,8 +47,13 @@ impl PlanContext<'_> {
         if solves_for_columns(one) && self.least_of_columns() > MAX_NODES {
             return usize::MAX;
         }
-        let rows = if eliminates_rows(one) { self.least_of_rows() } else { 0 };
-        least.saturating_add(rows)
+        let further = match one {
+            Function::Brge => self.least_of_factors(),
+            Function::Step => self.forward_dynamics.graph.count().total(),
+            _ if eliminates_rows(one) => self.least_of_rows(),
+            _ => 0,
+        };
+        least.saturating_add(further)
     }
 
     /// Returns the sum of the numbers of ancestors of all links with a program of their own.
@@ -67,21 +76,35 @@ impl PlanContext<'_> {
         if n * n * n <= MAX_NODES / 8 {
             return 0;
         }
-        let Some(matrices) = self.at_two_configurations(self.model, |robot, q| {
+        8 * self.coupled_ancestors().map(|ancestors| ancestors.pow(2)).sum::<usize>()
+    }
+
+    /// Returns the least operations of the factors of the mass matrix: one for each entry. Entries
+    /// may be equal to a few others.
+    fn least_of_factors(&self) -> usize {
+        if self.layout.size() / EQUAL_ENTRIES <= MAX_OPERATIONS {
+            return 0;
+        }
+        self.coupled_ancestors().sum::<usize>() / EQUAL_ENTRIES
+    }
+
+    /// Returns, for each joint, the number of ancestors with an entry of the mass matrix that
+    /// varies.
+    fn coupled_ancestors(&self) -> impl Iterator<Item = usize> {
+        let n = self.sizes.nv;
+        let matrices = self.at_two_configurations(self.model, |robot, q| {
             let mut columns = vec![0.0; n * n];
             robot.mass_matrix(q, &mut columns).ok().map(|()| columns)
-        }) else {
-            return 0;
-        };
-        let [first, second] = &matrices;
-        let ancestors_of = |joint: usize| {
-            let scale = |i: usize| (first[i * (n + 1)] * first[joint * (n + 1)]).abs().sqrt();
-            let entry = |i: usize| joint * n + i;
-            let varies =
-                |i: &usize| (first[entry(*i)] - second[entry(*i)]).abs() > VARIES * scale(*i);
-            (0..joint).filter(varies).count()
-        };
-        8 * (0..n).map(|joint| ancestors_of(joint).pow(2)).sum::<usize>()
+        });
+        matrices.into_iter().flat_map(move |[first, second]| {
+            (0..n).map(move |joint| {
+                let scale = |i: usize| (first[i * (n + 1)] * first[joint * (n + 1)]).abs().sqrt();
+                let entry = |i: usize| joint * n + i;
+                let varies =
+                    |i: &usize| (first[entry(*i)] - second[entry(*i)]).abs() > VARIES * scale(*i);
+                (0..joint).filter(varies).count()
+            })
+        })
     }
 
     /// Returns the least operations of the elimination of m constraint rows that depend on one
