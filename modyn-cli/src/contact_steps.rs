@@ -158,14 +158,13 @@ impl ContactSteps {
             }
             Ground::Described => {}
         }
-        for joint in soft.joints.iter_mut().flatten() {
-            match options.limits {
-                Limits::None => joint.range = [None; 2],
-                Limits::Act => {}
-                Limits::Hold => {
-                    joint.range = [Some(q[joint.coordinate]); 2];
-                    (joint.narrow, joint.limit) = (true, FIRM);
-                }
+        if options.limits == Limits::None {
+            soft.stops().for_each(|stops| stops.range = [None; 2]);
+        }
+        if options.limits == Limits::Hold {
+            for joint in soft.joints.iter_mut().flatten() {
+                joint.stops.range = [Some(q[joint.coordinate]); 2];
+                (joint.stops.narrow, joint.stops.limit) = (true, FIRM);
             }
         }
         interpreter.set_soft_model(soft);

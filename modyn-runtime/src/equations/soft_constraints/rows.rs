@@ -409,7 +409,7 @@ impl<S: Copy> SoftModel<S> {
     }
 
     /// Returns the limits and the dry friction of joints and tendons.
-    fn stops(&mut self) -> impl Iterator<Item = &mut StopParameters<S>> {
+    pub fn stops(&mut self) -> impl Iterator<Item = &mut StopParameters<S>> {
         let joints = self.joints.iter_mut().flatten().map(|joint| &mut joint.stops);
         joints.chain(self.tendons.iter_mut().map(|tendon| &mut tendon.stops))
     }
