@@ -132,6 +132,25 @@ fn wrong_tendons_are_refused() {
     assert!(error.contains("more than 1000 tendons and couplings"), "{error}");
 }
 
+#[test]
+fn couplings_have_the_attributes_of_their_class() {
+    let read = |attributes: &str, constraint: &str| {
+        let class =
+            format!("<default><default class=\"k\"><equality {attributes}/></default></default>");
+        let elements = class + &tendons("") + &format!("<equality>{constraint}</equality>");
+        tied(&elements, &ReadOptions::default()).expect(constraint).model
+    };
+    for constraint in [
+        r#"<joint class="k" joint1="c" joint2="a" polycoef="0 1 1"/>"#,
+        r#"<tendon class="k" tendon1="t" tendon2="t" polycoef="0 1 1"/>"#,
+    ] {
+        let model = read(r#"solref="0.3 1""#, constraint);
+        assert_eq!(model.soft_constraints().couplings[0].softness.reference, [0.3, 1.0]);
+        let inactive = read(r#"active="false""#, constraint);
+        assert_eq!(inactive.soft_constraints().couplings.len(), 0);
+    }
+}
+
 /// Linear couplings are exact, or soft if joints have coordinates of their own.
 #[test]
 fn linear_couplings_of_independent_joints_are_soft() {

@@ -95,11 +95,11 @@ impl<'e> Classes<'e> {
 }
 
 /// Returns whether the attributes of the element `class` in a `<default>` are the attributes of
-/// elements of this name.
+/// elements of this name. (A joint of a body has no attribute of `<equality>`.)
 fn is_default_of(class: &str, name: &str) -> bool {
     let both = |names: &[&str]| names.contains(&class) && names.contains(&name);
     class == name && name != "default"
         || both(ACTUATORS)
         || class == "tendon" && ["spatial", "fixed"].contains(&name)
-        || class == "equality" && ["connect", "weld"].contains(&name)
+        || class == "equality" && ["connect", "weld", "joint", "tendon"].contains(&name)
 }
