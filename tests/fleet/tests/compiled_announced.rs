@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use modyn_codegen::Function;
 use modyn_fleet::{PARTS, ROBOTS};
-use modyn_runtime::model::{Joint, Limits};
+use modyn_runtime::model::Joint;
 use modyn_runtime::quantities::Sizes;
 use modyn_runtime::{Interpreter, OperationCount};
 use modyn_tests::compiled::{Compiled, Consts, TypeConstants};
@@ -88,15 +88,14 @@ fn numbers_are_the_models() {
             if mimic.is_some() {
                 continue;
             }
-            let limit = |pick: fn(&Limits) -> Option<f64>| stated.as_ref().and_then(pick);
+            let effort = stated.and_then(|limits| limits.effort).unwrap_or(f64::INFINITY);
             for k in model.q_range(i) {
                 let found = [limits.lower[k], limits.upper[k]];
                 assert_eq!(found, model.coordinate_range(i), "{name}");
             }
             for k in model.v_range(i) {
                 let found = [limits.velocity[k], limits.effort[k]];
-                let stated = [limit(|l| l.velocity), limit(|l| l.effort)];
-                assert_eq!(found, stated.map(|x| x.unwrap_or(f64::INFINITY)), "{name}");
+                assert_eq!(found, [model.velocity_limit(i), effort], "{name}");
                 let found = [armature[k], damping[k], friction[k]];
                 assert_eq!(
                     found,
