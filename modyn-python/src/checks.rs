@@ -28,7 +28,7 @@ impl Check {
             ArgumentKind::StepSettings => Some(Self::StepSettings),
             ArgumentKind::RandomNumbers => Some(Self::Parts),
             ArgumentKind::Time
-                if matches!(function, Some(Function::ContactStep | Function::Step)) =>
+                if matches!(function, Some(Function::Step)) =>
             {
                 Some(Self::TimeStep)
             }

@@ -80,27 +80,6 @@ conversions! {
     mujoco_from_qacc = mujoco::from_qacc, (q: 7, qd: 6, qacc: 6);
 }
 
-/// Returns `alpha`, `beta` and `compliance` of a contact with MuJoCo's `solref`, an impedance, and
-/// a mobility (1/kg).
-#[pyfunction]
-pub fn mujoco_contact(
-    solref: [f64; 2],
-    impedance: f64,
-    mobility: f64,
-) -> PyResult<(f64, f64, f64)> {
-    let checked = |name, value, range: SettingRange| {
-        let checked = range.check(name, SettingPlace::Argument, value);
-        checked.map_err(|error| PyValueError::new_err(error.to_string()))
-    };
-    checked("time_constant", solref[0], SettingRange::Positive)?;
-    checked("damping_ratio", solref[1], SettingRange::Positive)?;
-    checked("impedance", impedance, SettingRange::Positive)?;
-    checked("impedance", impedance, SettingRange::UpToOne)?;
-    checked("mobility", mobility, SettingRange::NotNegative)?;
-    let target = ContactTarget::<f64>::GROUND.compliant(solref, impedance, mobility);
-    Ok((target.alpha, target.beta, target.compliance))
-}
-
 /// Returns Pinocchio's coordinates of an unbounded revolute joint, (n, 2), from angles, (n, 1).
 #[pyfunction]
 pub fn pinocchio_cos_sin<'py>(

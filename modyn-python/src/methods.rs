@@ -702,57 +702,6 @@ impl Robot {
         self.call(py, 35, &[Some(q), Some(qd), contacts, settings], None, out)
     }
 
-    /// Returns the problem of a step of the time `dt` (s) on the ground under the joint forces
-    /// `tau`, in the space of the contacts' points: the motion without contacts, and the effects of
-    /// unit impulses on the points and on the velocities. Of the targets, `pose` and the linear
-    /// `velocity` count. Closed loops are not closed. `solve::ground` has the solver.
-    ///
-    /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number; `settings`:
-    /// `ConstraintSettings`, by default with the ground at z = 0 under all contacts.
-    /// Result: `ContactProblem`: `qd` (nv,), `heights` (contacts,), `before` (contacts, 3), `free`
-    /// (contacts, 3), `mobility` (3 contacts, 3 contacts), `responses` (nv, 3 contacts). Several
-    /// states have one more axis, the first.
-    #[pyo3(signature = (q, qd, tau, dt, settings=None, *, out=None))]
-    fn contact_problem<'py>(
-        &self,
-        py: Python<'py>,
-        q: &Bound<'py, PyAny>,
-        qd: &Bound<'py, PyAny>,
-        tau: &Bound<'py, PyAny>,
-        dt: &Bound<'py, PyAny>,
-        settings: Argument<'_, 'py>,
-        out: Argument<'_, 'py>,
-    ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 36, &[Some(q), Some(qd), Some(tau), Some(dt), settings], None, out)
-    }
-
-    /// Returns the state after a step of the time `dt` (s) on the ground under the joint forces
-    /// `tau`: contacts with Coulomb friction, which push and do not pull, at the planes of their
-    /// targets. `impulses` are those of the last step, or zero: the solver starts from them. It
-    /// sweeps six times over the contacts; `residual` says how well that sufficed. Of the targets,
-    /// `pose`, the linear `velocity`, `alpha`, `beta`, `restitution`, `compliance` and `friction`
-    /// count. Joints have no stops, and closed loops are not closed. In Rust and Python,
-    /// `step_on_ground` also stops joints, and solves to a tolerance.
-    ///
-    /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number; `impulses`: (contacts, 3);
-    /// `settings`: `ConstraintSettings`, by default with the ground at z = 0 under all contacts.
-    /// Result: `ContactStep`: `q` (nq,), `qd` (nv,), `impulses` (contacts, 3), `residual` a number.
-    /// Several states have one more axis, the first.
-    #[pyo3(signature = (q, qd, tau, dt, impulses, settings=None, *, out=None))]
-    fn contact_step<'py>(
-        &self,
-        py: Python<'py>,
-        q: &Bound<'py, PyAny>,
-        qd: &Bound<'py, PyAny>,
-        tau: &Bound<'py, PyAny>,
-        dt: &Bound<'py, PyAny>,
-        impulses: &Bound<'py, PyAny>,
-        settings: Argument<'_, 'py>,
-        out: Argument<'_, 'py>,
-    ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 37, &[Some(q), Some(qd), Some(tau), Some(dt), Some(impulses), settings], None, out)
-    }
-
     /// Returns the state after a step of the time `dt` (s) under the joint forces `tau`, with
     /// contacts, joint limits, dry joint friction and closed loops by MuJoCo's law: soft
     /// constraints whose forces minimize a convex function. The solver is Newton's method, to the

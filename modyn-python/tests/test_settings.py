@@ -188,12 +188,6 @@ def test_torch_checks_settings(robot):
         modyn.torch.function(robot, "contact_problem")(q, qd, tau, DT, bad)
 
 
-def test_contacts_of_mujoco_are_in_range():
-    for arguments, name in [((0.0, 1, 0.9, 1), "time_constant"), ((0.02, np.nan, 0.9, 1), "damping_ratio"), ((0.02, 1, 1.5, 1), "impedance"), ((0.02, 1, 0.9, -1), "mobility")]:
-        with pytest.raises(ValueError, match=f"`{name}` is"):
-            ContactTarget().compliant(*arguments)
-
-
 def test_random_parts_are_between_zero_and_one(robot):
     parts = np.full(robot.nv, 0.5)
     for wrong in (5.0, -0.1, np.inf):

@@ -68,10 +68,10 @@ pub use ::num_dual;
 pub use equations::Forces;
 #[cfg(feature = "alloc")]
 pub use interpreter::{
-    ActuatorOutputs, ConstrainedDerivatives, ConstrainedHessianOutputs, ContactProblemOutputs,
-    ContactStepOutputs, DecompositionError, ForwardDerivatives, FrameError, HessianOutputs,
-    InertialError, Interpreter, ModuleMismatch, ShapeError, StepHessianOutputs, StepOutputs,
-    StepSolutionOutputs, UduFactorization, UpdateError,
+    ActuatorOutputs, ConstrainedDerivatives, ConstrainedHessianOutputs, DecompositionError,
+    ForwardDerivatives, FrameError, HessianOutputs, InertialError, Interpreter, ModuleMismatch,
+    ShapeError, StepHessianOutputs, StepOutputs, StepSolutionOutputs, UduFactorization,
+    UpdateError,
 };
 
 #[cfg(feature = "nalgebra")]
@@ -88,10 +88,10 @@ pub use results::{
     ActuatorForces, CentroidalMomentumDerivatives, ConstrainedForwardDynamics,
     ConstrainedForwardDynamicsDerivatives, ConstrainedForwardDynamicsHessian,
     ConstrainedInverseDynamics, ConstraintProjection, ConstraintResidual, ContactImpulse,
-    ContactProblem, ContactStep, DifferenceDerivatives, ForwardDynamicsDerivatives,
-    ForwardDynamicsHessian, ForwardDynamicsJvp, ForwardDynamicsVjp, GeneralizedForces,
-    IntegrateDerivatives, InverseDynamicsDerivatives, InverseDynamicsHessian, InverseDynamicsJvp,
-    InverseDynamicsVjp, OperationalInertia, Step, StepDerivatives, StepHessian, StepSolution,
+    DifferenceDerivatives, ForwardDynamicsDerivatives, ForwardDynamicsHessian, ForwardDynamicsJvp,
+    ForwardDynamicsVjp, GeneralizedForces, IntegrateDerivatives, InverseDynamicsDerivatives,
+    InverseDynamicsHessian, InverseDynamicsJvp, InverseDynamicsVjp, OperationalInertia, Step,
+    StepDerivatives, StepHessian, StepSolution,
 };
 #[cfg(feature = "alloc")]
 pub use robot::EmbeddedModel;

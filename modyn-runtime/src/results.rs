@@ -253,44 +253,6 @@ pub struct ContactImpulse<V, W, T> {
     pub rank: T,
 }
 
-/// The problem of a step on the ground in the space of the contacts' points: the motion without
-/// contacts, and the effects of impulses.
-///
-/// A contact has three rows: the x and y axes of its target, in the plane of the ground, then the
-/// normal.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ContactProblem<V, H, B, F, A, Y> {
-    /// The velocities after the step without contacts, rad/s or m/s.
-    pub qd: V,
-    /// The height of each contact's origin above the plane of its target before the step, m.
-    pub heights: H,
-    /// The velocity of each contact's origin relative to its target before the step, in the
-    /// directions of its rows, m/s.
-    pub before: B,
-    /// The same after the step without contacts, m/s.
-    pub free: F,
-    /// J M^-1 J^T with the mass matrix M and the Jacobian J of the rows, an array of columns: the
-    /// change of the rows' velocities by a unit impulse along each row, 1/kg.
-    pub mobility: A,
-    /// M^-1 J^T, an array of columns: the change of the velocities `qd` by a unit impulse along
-    /// each row.
-    pub responses: Y,
-}
-
-/// The state after a step on the ground, and the impulses of the contacts.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ContactStep<Q, V, P, T> {
-    /// The coordinates after the step.
-    pub q: Q,
-    /// The velocities after the step, rad/s or m/s.
-    pub qd: V,
-    /// The impulse of each contact along the x and y axes of its target, then along the normal, N
-    /// s. The next step starts from these.
-    pub impulses: P,
-    /// The largest velocity of a contact that contradicts the laws of contacts, m/s.
-    pub residual: T,
-}
-
 /// The joint forces of actuators, and their activations after a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ActuatorForces<V, A> {

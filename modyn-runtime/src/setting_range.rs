@@ -40,8 +40,6 @@ pub enum SettingPlace {
     Settings,
     /// The target of the contact with this index.
     Contact(usize),
-    /// An option of steps on the ground.
-    Ground,
     /// The height field.
     HeightField,
     /// The height with this row and this column in a height field.
@@ -69,18 +67,12 @@ pub enum SettingRange {
     UpToOne,
     /// The rotation of a pose: R^T R is the identity within 1e-3, and the determinant is positive.
     Rotation,
-    /// At most this.
-    AtMost(usize),
     /// At least two rows and two columns, without a rest.
     Grid,
 }
 
 /// How far an entry of R^T R may be from that of a rotation: files often have three digits.
 const ORTHONORMAL: f64 = 1e-3;
-
-/// The largest number of sweeps, and of Newton steps. More never help, and the step would seem to
-/// hang.
-pub(crate) const MAX_ITERATIONS: usize = 10_000;
 
 /// The names and the ranges of [`ConstraintSettings::numbers`].
 const SETTINGS: [(&str, SettingRange); ConstraintSettings::<f64>::COUNT] = [
@@ -128,8 +120,6 @@ impl SettingRange {
                 Self::NotNegative => value >= 0.0,
                 Self::Positive => value > 0.0,
                 Self::UpToOne => (0.0..=1.0).contains(&value),
-                #[allow(clippy::cast_precision_loss)]
-                Self::AtMost(most) => value <= most as f64,
                 Self::Finite | Self::Rotation | Self::Grid => true,
             }
     }
@@ -278,7 +268,6 @@ impl fmt::Display for SettingError {
         match place {
             SettingPlace::Settings => write!(f, " of `settings`")?,
             SettingPlace::Contact(contact) => write!(f, " of `settings.contacts[{contact}]`")?,
-            SettingPlace::Ground => write!(f, " of `Ground`")?,
             SettingPlace::HeightField => write!(f, " of the height field")?,
             SettingPlace::Height { row, column } => {
                 write!(f, "[{row}, {column}] of the height field")?
@@ -294,7 +283,6 @@ impl fmt::Display for SettingError {
                 f,
                 " has {value} values; expected at least two full rows of at least two columns"
             ),
-            SettingRange::AtMost(most) => write!(f, " is {value}; the most is {most}"),
             range => write!(f, " is {value}; expected {range}"),
         }
     }
@@ -309,7 +297,6 @@ impl fmt::Display for SettingRange {
             Self::UpToOne => "a number from 0 to 1",
             Self::Rotation => "a rotation",
             Self::Grid => "at least two full rows of at least two columns",
-            Self::AtMost(most) => return write!(f, "a number up to {most}"),
         })
     }
 }
@@ -343,7 +330,7 @@ mod tests {
             })
         };
         let mut all = settings.chain(target(0)).chain(target(1));
-        core::array::from_fn(|_| all.next().unwrap_or(("", SettingPlace::Ground)))
+        core::array::from_fn(|_| all.next().unwrap_or(("", SettingPlace::Settings)))
     }
 
     /// Changes each number in turn; the error must name the number that was changed.

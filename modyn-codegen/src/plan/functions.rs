@@ -229,12 +229,6 @@ impl Lowering {
                     .packed(Packing::Contacts)
                     .rows(|t, s, inputs| t.contact_impulse_around_rows(&s.for_derivatives, inputs))
             }
-            Function::ContactProblem => {
-                Lowering::traced(|t, s| t.contact_problem(&s.for_derivatives))
-                    .packed(Packing::Contacts)
-            }
-            Function::ContactStep => Lowering::traced(|t, s| t.contact_step(&s.for_derivatives))
-                .packed(Packing::Contacts),
             Function::OperationalInertia => {
                 Lowering::traced(|t, s| t.operational_inertia(&s.layout))
                     .packed(Packing::ConstrainedColumns)

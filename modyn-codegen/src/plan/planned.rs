@@ -9,7 +9,7 @@ use crate::program::{InvalidProgram, Program};
 
 /// The arguments of time steps that begin with zeros, and then are results of the step before. In
 /// results they follow q and qd.
-pub const CARRIED: [&str; 2] = ["impulses", "warm_start"];
+pub const CARRIED: [&str; 1] = ["warm_start"];
 
 /// A function or a bundle of functions, planned for a robot.
 pub struct Planned {
@@ -140,7 +140,6 @@ impl Planned {
             Shape::Record(Record::Each("Step" | "StepSolution"), _) => {
                 Some(self.name.replacen("step", "rollout", 1))
             }
-            Shape::Record(Record::Each("ContactStep"), _) => Some("rollout_on_ground".into()),
             _ => None,
         }
     }

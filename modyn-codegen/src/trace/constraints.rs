@@ -11,10 +11,7 @@ use modyn_runtime::equations::constraints::{
     OperationalInertiaOutputs, ProjectionOutputs, RowSystem,
 };
 use modyn_runtime::equations::factorization::{Factorizable, MergedUduLayout};
-use modyn_runtime::equations::kinematics::coordinates;
-use modyn_runtime::equations::{
-    ConstraintWorkspace, ForwardInput, State, TimeStepInput, Workspace, constraints,
-};
+use modyn_runtime::equations::{ConstraintWorkspace, ForwardInput, State, Workspace, constraints};
 use modyn_runtime::mechanism::{Mechanism, MergedMechanism};
 use modyn_runtime::spatial::{Twist, Vector3, Wrench};
 use modyn_runtime::{ConstraintSettings, ContactTarget, Scalar};
@@ -342,135 +339,6 @@ impl Tracer<'_> {
             [inverse, inertia, vec![rank], operands].concat()
         })
     }
-}
-
-impl Tracer<'_> {
-    /// Returns the graph of the problem of a step on the ground: the velocities without contacts,
-    /// the heights, the velocities of the contacts before and after, J M^-1 J^T and M^-1 J^T by
-    /// columns. Inputs: `q`, `qd`, `tau`, `dt` and settings.
-    #[must_use]
-    pub fn contact_problem(&self, layout: &UduLayout) -> Graph {
-        let nq = self.model.nq;
-        let nv = self.model.nv;
-        let count = self.model.contacts();
-        let groups = [nq, nv, nv, 1, settings_count(self.model)];
-        self.trace_groups(groups, |model, [q, qd, tau, dt, settings]| {
-            self.problem(layout, model, &[q, qd, tau, settings], dt[0], [nv, count]).concat()
-        })
-    }
-
-    /// Returns the graph of the coordinates and the velocities after a step on the ground, the
-    /// impulses of the contacts and the residual. Inputs: `q`, `qd`, `tau`, `dt`, impulses and
-    /// settings.
-    #[must_use]
-    pub fn contact_step(&self, layout: &UduLayout) -> Graph {
-        let nq = self.model.nq;
-        let nv = self.model.nv;
-        let count = self.model.contacts();
-        let groups = [nq, nv, nv, 1, 3 * count, settings_count(self.model)];
-        self.trace_groups(groups, |model, [q, qd, tau, dt, mut impulses, settings]| {
-            let inputs = [q, qd, tau, settings];
-            let mut parts = self.problem(layout, model, &inputs, dt[0], [nv, count]);
-            let [qd, heights, before, free, mobility, responses] = &mut parts;
-            let [q, .., settings] = &inputs;
-            let vectors = |numbers: &[Expr]| -> Vec<Vector3<Expr>> {
-                numbers.as_chunks().0.iter().map(|three| Vector3(*three)).collect()
-            };
-            let mut problem = constraints::ContactProblemOutputs {
-                qd,
-                heights,
-                before: &mut vectors(before),
-                free: &mut vectors(free),
-                mobility,
-                responses,
-            };
-            let targets = settings_of(settings).contacts;
-            let residual =
-                constraints::sweep_contacts(&mut problem, dt[0], &targets, &mut impulses);
-            let moved: Vec<Expr> = qd.iter().map(|&rate| rate * dt[0]).collect();
-            let mut next = vec![Expr::zero(); nq];
-            coordinates::integrate(model, q, &moved, &mut next);
-            [&next[..], qd, &impulses, &[residual]].concat()
-        })
-    }
-
-    /// Returns the parts of the problem of a step on the ground, with the limbs of the tracer
-    /// packed. The inputs are `q`, `qd`, `tau`, settings and the time step. `sizes` are the number
-    /// of velocities and of contacts.
-    fn problem(
-        &self,
-        layout: &UduLayout,
-        model: &Mechanism<Expr>,
-        [q, qd, tau, settings]: &[Vec<Expr>; 4],
-        dt: Expr,
-        [nv, count]: [usize; 2],
-    ) -> [Vec<Expr>; 6] {
-        let Some(limbs) = self.limbs else {
-            let inputs = [q, qd, tau, settings].map(Vec::clone);
-            return contact_problem(model, layout, inputs, dt, [nv, count, count]);
-        };
-        let (contacts, merged) = self.merged_contacts(limbs, model.gravity);
-        let partition = limbs.partition(layout.partition());
-        let layout = &MergedUduLayout::by_modules(&merged, partition);
-        let inputs = [
-            limbs.coordinates(q),
-            limbs.vector(qd),
-            limbs.vector(tau),
-            merged_settings(&contacts, settings),
-        ];
-        let sizes = [merged.nv(), contacts.count(), count];
-        let [qd, heights, before, free, mobility, responses] =
-            contact_problem(&merged, layout, inputs, dt, sizes);
-        let responses = responses.chunks(merged.nv().max(1));
-        [
-            limbs.unpack_vector(&qd, nv),
-            contacts.unpack(&heights, 1),
-            contacts.unpack(&before, 3),
-            contacts.unpack(&free, 3),
-            mobility,
-            responses.flat_map(|response| limbs.unpack_vector(response, nv)).collect(),
-        ]
-    }
-}
-
-/// Returns the parts of the problem of a step on the ground in the order of its fields. `sizes` are
-/// the number of velocities and of contacts of `tree`, and of the robot's contacts.
-fn contact_problem<T: Factorizable<Expr>>(
-    tree: &T,
-    layout: &T::Layout,
-    [q, qd, tau, settings]: [Vec<Expr>; 4],
-    dt: Expr,
-    [nv, contacts, of_robot]: [usize; 3],
-) -> [Vec<Expr>; 6] {
-    let numbers = |count: usize| vec![Expr::zero(); count];
-    let vectors = || vec![Vector3::<Expr>::zero(); contacts];
-    let mut after = numbers(nv);
-    let mut heights = numbers(contacts);
-    let mut before = vectors();
-    let mut free = vectors();
-    let rows = 3 * of_robot;
-    let mut mobility = numbers(rows * rows);
-    let mut responses = numbers(rows * nv);
-    constraints::contact_problem(
-        tree,
-        layout,
-        TimeStepInput { q: &q, qd: &qd, tau: &tau, dt },
-        &settings_of(&settings),
-        ConstraintWorkspaces {
-            workspace: &mut Workspace::new(tree),
-            memory: &mut ConstraintWorkspace::new(tree, layout),
-        },
-        constraints::ContactProblemOutputs {
-            qd: &mut after,
-            heights: &mut heights,
-            before: &mut before,
-            free: &mut free,
-            mobility: &mut mobility,
-            responses: &mut responses,
-        },
-    );
-    let components = |vectors: Vec<Vector3<Expr>>| vectors.iter().flat_map(|v| v.0).collect();
-    [after, heights, components(before), components(free), mobility, responses]
 }
 
 /// The unknowns of equations with the factors of J M^-1 J^T.

@@ -265,40 +265,6 @@ fn rollouts_that_hold_contacts() {
     build("rollout_constrained", &builder, (&source.text, &main.replace(done, both)));
 }
 
-/// Feet of a quadruped that falls onto tilted and moving ground: each step starts from the impulses of the last.
-#[test]
-#[ignore = "slow: g++ compiles a robot"]
-fn rollouts_on_the_ground() {
-    let builder =
-        robot("quadruped").functions([Function::ContactStep]).base(Base::Floating).contacts(feet());
-    let theirs = builder.clone().type_name("Theirs");
-    let options = RolloutOptions::default();
-    let (source, _) = theirs.emit_rollouts(GpuLanguage::Cuda, &options).expect("good");
-    let [rollout] = &*source.rollouts else { panic!("one kernel") };
-    assert_eq!((&*rollout.name, rollout.settings), ("theirs_rollout_on_ground", 54));
-    let quaternion = quaternion_of(&builder);
-    let step = "static vector<double> settings;\nstatic unsigned current, pushed;\n\
-        static void ours_step_on_ground(const double *q, const double *qd, const double *tau, const double *dt, double *next)\n{\n\
-        static double impulses[6];\ndouble r[OURS_NQ + OURS_NV + 7];\n\
-        for (int j = 0; j < 6 && current == 0; ++j) impulses[j] = 0;\n\
-        ours_contact_step(q, qd, tau, dt, impulses, settings.data(), r);\n\
-        for (int j = 0; j < OURS_NQ + OURS_NV; ++j) next[j] = r[j];\n\
-        for (int j = 0; j < 6; ++j) { impulses[j] = r[OURS_NQ + OURS_NV + j]; pushed += impulses[j] != 0; }\n}\n";
-    let fill = "settings = { 10, 8, 1e-10, 1e-10 };\n\
-        for (int c = 0; c < 2; ++c) { const double a = 0.3 - 0.5 * c, s = sin(a), k = cos(a);\n\
-        const double target[25] = { 1, 0, 0, 0, k, -s, 0, s, k, 0.1, 0.2, -0.1, 0.1, 0, 0.2, 0.1, -0.2, 0.3, 0.5, 20, 15, 1e-3, 0.2, 1, 0.6 };\n\
-        settings.insert(settings.end(), target, target + 25); }\n";
-    let forces = "for (int j = 0; j < nv; ++j) tau[j] = u[j];\ncurrent = k;";
-    let arguments = ["settings.data(), ", ""];
-    let main = rollout_harness(("LEGS", "step_on_ground", 21), quaternion, arguments, (forces, ""));
-    let main = main.replace("LEGS_CONTROLS", "nv");
-    let main = main.replace("int main() {\n", &format!("{step}int main() {{\n{fill}"));
-    let done = "printf(\"done\\n\");";
-    assert!(main.contains(done) && main.contains(fill));
-    let both = "printf(pushed > 200 ? \"done\\n\" : \"%u\\n\", pushed);";
-    build("rollout_on_ground", &builder, (&source.text, &main.replace(done, both)));
-}
-
 /// A pendulum that swings against a tilted floor and its stop.
 #[test]
 fn rollouts_by_a_solver() {
@@ -423,9 +389,7 @@ fn rollouts_in_c_are_loops_of_steps() {
         end: LoopEnd { link: "lower".into(), xyz: [0.1, 0.0, -0.4], rpy: [0.0; 3] },
     };
     let builder = robot("double_pendulum").contacts([tip]);
-    let builder = builder
-        .functions([Function::StepRk4, Function::ContactStep, Function::Step])
-        .runtime_gravity();
+    let builder = builder.functions([Function::StepRk4, Function::Step]).runtime_gravity();
     let folder = folder("rollouts_in_c");
     write(&builder.type_name("Ours").emit(Target::C).expect("good"), &folder);
     let soft = tilted(1);
@@ -433,32 +397,28 @@ fn rollouts_in_c_are_loops_of_steps() {
     let main = "#include <stdio.h>\n#include <string.h>\n#include \"ours.h\"\n\
         enum { N = OURS_NQ + OURS_NV, STEPS = 60 };\n\
         static const double gravity[3] = { 0.3, 0.2, -9.0 }, dt[1] = { 0.01 };\n\
-        static const double settings[29] = { 10, 8, 1e-10, 1e-10, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, -0.6,\n\
-        0, 0, 0, 0.1, 0, 0, 0, 20, 20, 0, 0.2, 1, 0.7 };\n\
         static const double soft[] = { SOFT };\n\
         static double controls[STEPS * OURS_NV], moved[2][N], one[STEPS * N], all[STEPS * N], next[N + 7];\n\
         int main(void) {\n\
-        int ground, k, pushed[3] = { 0 }, j;\n\
+        int ground, k, pushed = 0, j;\n\
         for (k = 0; k < STEPS * OURS_NV; ++k) controls[k] = k % 7 * 0.01;\n\
-        for (ground = 0; ground < 3; ++ground) {\n\
+        for (ground = 0; ground < 2; ++ground) {\n\
         double state[N] = { 0 }, start[2][3] = { { 0 } };\n\
         state[0] = 1.2; state[1] = 0.4; state[OURS_NQ] = -0.5;\n\
         memcpy(moved[0], state, sizeof state); memcpy(moved[1], state, sizeof state);\n\
         for (k = 0; k < STEPS; ++k) {\n\
         const double *tau = &controls[k * OURS_NV]; double *s = moved[0];\n\
-        if (ground == 1) ours_contact_step_with(s, s + OURS_NQ, tau, dt, start[0], settings, gravity, next);\n\
-        else if (ground) ours_step_with(s, s + OURS_NQ, tau, dt, start[0], soft, gravity, next);\n\
+        if (ground) ours_step_with(s, s + OURS_NQ, tau, dt, start[0], soft, gravity, next);\n\
         else ours_step_rk4_with(s, s + OURS_NQ, tau, dt, gravity, next);\n\
         memcpy(s, next, sizeof moved[0]); memcpy(&one[k * N], next, sizeof moved[0]);\n\
-        if (ground) memcpy(start[0], next + N, (ground == 1 ? 3 : OURS_NV) * sizeof(double));\n\
-        for (j = 0; ground && j < 3; ++j) pushed[ground] += next[ground == 1 ? N + j : N + OURS_NV + j] != 0;\n}\n\
+        if (ground) memcpy(start[0], next + N, OURS_NV * sizeof(double));\n\
+        for (j = 0; ground && j < 3; ++j) pushed += next[N + OURS_NV + j] != 0;\n}\n\
         for (k = 0; k < 2; ++k) { double *s = moved[1], *trajectory = k ? all + N * (STEPS / 2) : all;\n\
         const double *tau = &controls[k * OURS_NV * (STEPS / 2)];\n\
-        if (ground == 1) ours_rollout_on_ground(STEPS / 2, tau, dt, settings, gravity, s, s + OURS_NQ, start[1], trajectory);\n\
-        else if (ground) ours_rollout(STEPS / 2, tau, dt, soft, gravity, s, s + OURS_NQ, start[1], trajectory);\n\
+        if (ground) ours_rollout(STEPS / 2, tau, dt, soft, gravity, s, s + OURS_NQ, start[1], trajectory);\n\
         else ours_rollout_rk4(STEPS / 2, tau, dt, gravity, s, s + OURS_NQ, trajectory);\n}\n\
         if (memcmp(one, all, sizeof one) || memcmp(moved[0], moved[1], sizeof moved[0]) || memcmp(start[0], start[1], sizeof start[0])) puts(\"differs\");\n}\n\
-        if (pushed[1] > 20 && pushed[2] > 4) puts(\"done\"); else printf(\"%d and %d\\n\", pushed[1], pushed[2]);\nreturn 0;\n}\n";
+        if (pushed > 4) puts(\"done\"); else printf(\"%d\\n\", pushed);\nreturn 0;\n}\n";
     std::fs::write(folder.join("main.c"), main.replace("SOFT", &soft)).expect("writes");
     let mut gcc = Command::new("gcc");
     gcc.args(STRICT).args(["-O1", "main.c", "ours.c", "-o", "main", "-lm"]);

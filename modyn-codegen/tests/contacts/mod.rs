@@ -1146,8 +1146,6 @@ fn contacts_of_equal_limbs_in_lanes_give_the_same() {
         let dynamics = optimize(packed.constrained_forward_dynamics(&layout));
         let impulse = optimize(packed.contact_impulse(&layout));
         let projection = optimize(packed.project_constraints(&layout));
-        let problem = optimize(packed.contact_problem(&layout));
-        let step = optimize(packed.contact_step(&layout));
         for active in masks(&model, &mut random, 12) {
             let state = state(&model, &mut random);
             for settings in [exact(&model), general(&model, &mut random, 0.01)] {
@@ -1183,172 +1181,9 @@ fn contacts_of_equal_limbs_in_lanes_give_the_same() {
                 let rank = interpreter.project_constraints(motion, &active, &settings, into);
                 let expected = [dq, dqd, vec![rank.expect("fits")]].concat();
                 assert_near(&projection.evaluate(&inputs.concat()), &expected, 1e-8);
-
-                let arguments: [&[f64]; 5] =
-                    [&state.q, &state.qd, &state.tau, &[0.003], &numbers(&settings)];
-                let mut evaluate = |function: Function, arguments: &[&[f64]]| {
-                    let size = (function.row().result)(&interpreter.sizes()).len();
-                    let mut expected = vec![0.0; size];
-                    interpreter.evaluate(function, arguments, 0, &mut expected).expect("fits");
-                    expected
-                };
-                let expected = evaluate(Function::ContactProblem, &arguments);
-                assert_near(&problem.evaluate(&arguments.concat()), &expected, 1e-8);
-                let [q, qd, tau, dt, settings] = arguments;
-                let impulses = vec![0.01; 3 * model.contacts().len()];
-                let arguments = [q, qd, tau, dt, &impulses, settings];
-                let expected = evaluate(Function::ContactStep, &arguments);
-                assert_near(&step.evaluate(&arguments.concat()), &expected, 1e-8);
             }
         }
     }
-}
-
-/// The problem of a step on the ground is that of dense matrices: rows in the axes of the targets, and responses of M.
-#[test]
-fn contact_problems_are_those_of_dense_matrices() {
-    let (mut random, dt) = (Random(23), 0.003);
-    for model in with_equal_limbs() {
-        let (n, count) = (model.nv(), model.contacts().len());
-        let state = state(&model, &mut random);
-        let settings = general(&model, &mut random, 0.01);
-        let mut robot = Interpreter::new(model.clone());
-        let mut evaluate = |function: Function, arguments: &[&[f64]]| {
-            let mut result = vec![0.0; (function.row().result)(&robot.sizes()).len()];
-            robot.evaluate(function, arguments, 0, &mut result).expect("fits");
-            result
-        };
-        let (q, qd, settings_numbers) = (&*state.q, &*state.qd, &*numbers(&settings));
-        let found =
-            evaluate(Function::ContactProblem, &[q, qd, &state.tau, &[dt], settings_numbers]);
-        let mass = DMatrix::from_vec(n, n, evaluate(Function::MassMatrix, &[q]));
-        let qdd = evaluate(Function::ForwardDynamics, &[q, qd, &state.tau]);
-        let columns = evaluate(Function::ConstraintJacobian, &[q]);
-        let residual = evaluate(Function::ConstraintResidual, &[q, qd, settings_numbers]);
-        let after: Vec<f64> = (0..n).map(|v| qd[v] + dt * qdd[v]).collect();
-        let axes = |contact: usize, row: usize| {
-            let rotation = settings.contacts[contact].pose.rotation;
-            [0, 1, 2].map(|k| rotation[k][row])
-        };
-        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-        let jacobian = DMatrix::from_fn(3 * count, n, |row, v| {
-            dot(&axes(row / 3, row % 3), &columns[6 * (n * (row / 3) + v) + 3..][..3])
-        });
-        let response = mass.lu().solve(&jacobian.transpose()).expect("regular");
-        let mobility = &jacobian * &response;
-        let relative = |rates: &[f64]| -> Vec<f64> {
-            let velocities = &jacobian * DVector::from_column_slice(rates);
-            let target = |row: usize| {
-                let velocity = settings.contacts[row / 3].velocity.linear.0;
-                dot(&axes(row / 3, row % 3), &velocity)
-            };
-            (0..3 * count).map(|row| velocities[row] - target(row)).collect()
-        };
-        let heights = (0..count).map(|c| dot(&axes(c, 2), &residual[6 * c + 3..][..3]));
-        let expected = [
-            after.clone(),
-            heights.collect(),
-            relative(qd),
-            relative(&after),
-            mobility.as_slice().to_vec(),
-            response.as_slice().to_vec(),
-        ];
-        assert_near(&found, &expected.concat(), 1e-8);
-    }
-}
-
-/// A quadruped falls onto a slope that moves, bounces, slides, and stands: at each step the impulses obey the laws of contacts.
-#[test]
-fn contact_steps_obey_the_laws_of_contacts() {
-    let (model, dt, mut random) = (quadruped(), 0.002, Random(29));
-    let mut robot = Interpreter::new(model.clone());
-    let (n, count) = (model.nv(), model.contacts().len());
-    let mut settings = general(&model, &mut random, 0.0);
-    let slope: f64 = 0.15;
-    for (c, target) in settings.contacts.iter_mut().enumerate() {
-        let (sine, cosine) = slope.sin_cos();
-        target.pose.rotation = [[cosine, 0.0, sine], [0.0, 1.0, 0.0], [-sine, 0.0, cosine]];
-        target.pose.translation = [0.1, 0.2, -0.3];
-        target.velocity.linear = Vector3([0.02, 0.1, 0.03]);
-        target.friction = [0.2, 0.5, 0.7, 0.9][c];
-        target.beta = 30.0;
-        target.restitution = [0.0, 0.3, 0.0, 0.5][c];
-        target.compliance = [0.0, 0.0, 0.01, 0.0][c];
-    }
-    let numbers = numbers(&settings);
-    let mut q = vec![0.0; model.nq()];
-    robot.neutral(&mut q).expect("fits");
-    let mut qd = random.vector(n, 1.0);
-    let (mut impulses, mut seen, mut wrong) = (vec![0.0; 3 * count], [0; 4], Vec::new());
-    for step in 0..600 {
-        let tau: Vec<f64> =
-            (0..n).map(|v| if v < 6 { 0.0 } else { -8.0 * q[v + 1] - 0.1 * qd[v] }).collect();
-        let mut evaluate = |function: Function, arguments: &[&[f64]]| {
-            let mut result = vec![0.0; (function.row().result)(&robot.sizes()).len()];
-            robot.evaluate(function, arguments, 0, &mut result).expect("fits");
-            result
-        };
-        let problem = evaluate(Function::ContactProblem, &[&q, &qd, &tau, &[dt], &numbers]);
-        let (free_motion, rest) = problem.split_at(n);
-        let (heights, rest) = rest.split_at(count);
-        let (before, rest) = rest.split_at(3 * count);
-        let (free, rest) = rest.split_at(3 * count);
-        let (mobility, responses) = rest.split_at(9 * count * count);
-        let next = evaluate(Function::ContactStep, &[&q, &qd, &tau, &[dt], &impulses, &numbers]);
-        let (next_q, rest) = next.split_at(q.len());
-        let (next_qd, rest) = rest.split_at(n);
-        let (p, residual) = rest.split_at(3 * count);
-        let velocities = |row: usize| {
-            (0..3 * count).fold(free[row], |sum, k| sum + mobility[3 * count * k + row] * p[k])
-        };
-        wrong.push(residual[0]);
-        let most = 2.0 * residual[0] + 1e-9;
-        for (c, target) in settings.contacts.iter().enumerate() {
-            let [x, y, z] = [0, 1, 2].map(|k| velocities(3 * c + k));
-            let [px, py, pz] = [0, 1, 2].map(|k| p[3 * c + k]);
-            let height = heights[c];
-            let mut least = -height * if height > 0.0 { 1.0 / dt } else { target.beta };
-            if target.compliance > 0.0 {
-                let kept = (1.0 - 2.0 * target.alpha * dt) * before[3 * c + 2];
-                least = if height < 0.0 { kept - target.beta.powi(2) * dt * height } else { -1e6 };
-            }
-            let rebound = -target.restitution * before[3 * c + 2];
-            if free[3 * c + 2] < least && rebound > 0.01 {
-                least = least.max(rebound);
-            }
-            let apart = z + target.compliance * pz - least;
-            assert!(pz >= 0.0 && apart > -most, "{step} {c}: {pz} {apart}");
-            assert!(pz == 0.0 || apart < most, "{step} {c}: {pz} {apart}");
-            let (length, speed) = (px.hypot(py), x.hypot(y));
-            let limit = target.friction * pz;
-            assert!(length <= limit * (1.0 + 1e-9), "{step} {c}: {length} {limit}");
-            let state = match (pz > 0.0, length > 0.999 * limit, rebound > 0.01) {
-                (false, ..) => 0,
-                (true, _, true) => 1,
-                (true, true, _) => 2,
-                (true, false, _) => 3,
-            };
-            seen[state] += 1;
-            if state == 3 {
-                assert!(speed < most, "{step} {c}: sticks at {speed}");
-            } else if state == 2 && speed > 10.0 * most {
-                let along = -(px * x + py * y) / (length * speed);
-                assert!(along > 0.99, "{step} {c}: slips at {along}");
-            }
-        }
-        let expected: Vec<f64> = (0..n)
-            .map(|v| {
-                (0..3 * count).fold(free_motion[v], |sum, k| sum + responses[n * k + v] * p[k])
-            })
-            .collect();
-        assert_near(next_qd, &expected, 1e-10);
-        let moved: Vec<f64> = next_qd.iter().map(|rate| rate * dt).collect();
-        assert_near(next_q, &evaluate(Function::Integrate, &[&q, &moved]), 1e-12);
-        (impulses, qd, q) = (p.to_vec(), next_qd.to_vec(), next_q.to_vec());
-    }
-    wrong.sort_by(f64::total_cmp);
-    assert!(wrong[300] < 1e-10 && wrong[590] < 1e-3 && wrong[599] < 0.05, "{:?}", &wrong[550..]);
-    assert!(seen.iter().all(|&times| times > 10), "{seen:?}");
 }
 
 /// Operations of the floating quadruped with four point feet, eliminated by legs. A count that falls is to be entered;
@@ -1393,10 +1228,6 @@ fn operation_counts_are_as_frozen() {
             tracer.column_lanes(COLUMN_LANES).constrained_forward_dynamics_derivatives(&layout),
         ),
         ("contact_impulse", tracer.contact_impulse(&layout)),
-        ("contact_problem", tracer.contact_problem(&layout)),
-        ("contact_problem in lanes", tracer.packed(&limbs).contact_problem(&layout)),
-        ("contact_step", tracer.contact_step(&layout)),
-        ("contact_step in lanes", tracer.packed(&limbs).contact_step(&layout)),
         ("constrained_inverse_dynamics", evaluation(Function::ConstrainedInverseDynamics)),
         ("operational_inertia", tracer.operational_inertia(&layout)),
         (
@@ -1421,10 +1252,6 @@ fn operation_counts_are_as_frozen() {
         ("constrained_forward_dynamics_derivatives", 70694),
         ("constrained_forward_dynamics_derivatives in lanes", 31772),
         ("contact_impulse", 7297),
-        ("contact_problem", 8188),
-        ("contact_problem in lanes", 2409),
-        ("contact_step", 15349),
-        ("contact_step in lanes", 9570),
         ("constrained_inverse_dynamics", 2111),
         ("operational_inertia", 11061),
         ("operational_inertia in lanes", 7533),

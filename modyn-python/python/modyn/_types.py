@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from collections import namedtuple
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cache
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
-
-from . import _modyn
 
 if TYPE_CHECKING:
     from ._modyn import GpuArray
@@ -55,25 +53,15 @@ class ContactTarget:
     alpha: float = 20.0
     """the damping of the displacement, 1/s"""
     beta: float = 20.0
-    """the stiffness of the displacement, 1/s; in steps on the ground a rigid contact leaves the ground at `beta` times its depth"""
+    """the stiffness of the displacement, 1/s"""
     compliance: float = 0.0
-    """the relative acceleration that the contact allows per force, 1/kg; in steps on the ground h'' = -2 alpha h' - beta^2 h +
-    compliance f along the normal, with the height h and the force f"""
+    """the relative acceleration that the contact allows per force, 1/kg"""
     restitution: float = 0.0
     """the coefficient of restitution along the normal"""
     weight: float = 1.0
     """the weight of the contact in the distribution of the load by inverse dynamics"""
     friction: float = 0.8
     """the coefficient of Coulomb friction, for steps on the ground"""
-
-    def compliant(self, time_constant: float, damping_ratio: float, impedance: float, mobility: float) -> ContactTarget:
-        """Returns this target with a compliant contact that moves as MuJoCo's with `solref` = (`time_constant`, `damping_ratio`) and
-        with `solimp` whose impedance is `impedance` at all depths.
-
-        `mobility` is the inverse of the mass that the contact moves along its normal, 1/kg: MuJoCo takes `body_invweight0`, an entry
-        of the diagonal of `contact_problem`'s `mobility` serves as well. Friction stays rigid, as with a large `impratio`."""
-        alpha, beta, compliance = _modyn.mujoco_contact((time_constant, damping_ratio), impedance, mobility)
-        return replace(self, alpha=alpha, beta=beta, compliance=compliance)
 
     def __array__(self, dtype: DTypeLike | None = None, copy: bool | None = None) -> NDArray[Any]:
         vectors = [np.asarray(x, float).ravel() for x in (self.rotation, self.translation, self.velocity)]

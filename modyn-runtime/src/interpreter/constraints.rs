@@ -1,23 +1,19 @@
 //! Forward dynamics of closed loops and contacts, and the functions of constraints.
 
-use alloc::{vec, vec::Vec};
-
 use super::Interpreter;
 use super::errors::{ShapeError, check};
 use crate::Scalar;
 use crate::constraint_settings::{ConstraintSettings, ContactTarget};
 use crate::equations::brge::UduLayout;
-pub use crate::equations::constraints::{ConstrainedDerivatives, ContactProblemOutputs};
+pub use crate::equations::constraints::ConstrainedDerivatives;
 use crate::equations::constraints::{
     ConstrainedInverseOutputs, ConstrainedOutputs, ConstraintInput, ConstraintWorkspaces,
     ImpulseOutputs, OperationalInertiaOutputs, ProjectionOutputs, ResidualOutputs,
 };
-use crate::equations::{
-    ConstraintWorkspace, ForwardInput, Motion, State, TimeStepInput, constraints,
-};
+use crate::equations::{ConstraintWorkspace, ForwardInput, Motion, State, constraints};
 use crate::mechanism::Mechanism;
 use crate::model::ModuleTree;
-use crate::spatial::{Twist, Vector3};
+use crate::spatial::Twist;
 
 /// The arguments and the workspaces that constrained dynamics needs.
 struct Constraints<'a, S> {
@@ -26,19 +22,6 @@ struct Constraints<'a, S> {
     /// For each contact, 1 if it is active, else 0.
     active: &'a [S],
     workspaces: ConstraintWorkspaces<'a, S>,
-}
-
-/// The results of [`Interpreter::contact_step`].
-#[derive(Debug)]
-pub struct ContactStepOutputs<'a, S> {
-    /// The coordinates after the step.
-    pub q: &'a mut [S],
-    /// The velocities after the step.
-    pub qd: &'a mut [S],
-    /// The impulses of the contacts: for each, two in the plane, then the normal one.
-    pub impulses: &'a mut [S],
-    /// The largest velocity of a contact that contradicts the laws of contacts, m/s.
-    pub residual: &'a mut S,
 }
 
 /// Functions of closed loops and contacts: see
@@ -200,81 +183,6 @@ impl<S: Scalar> Interpreter<S> {
         check("impulses", impulses, self.model.constraints())?;
         self.set_active(active, settings)?;
         Ok(self.solve_impulse(State { q, qd }, settings, ImpulseOutputs { qd: after, impulses }))
-    }
-
-    /// Computes the problem of a step of the time `dt` (s) on the ground under the joint forces
-    /// `tau`, in the space of the contacts' points: see [`ContactProblem`](crate::ContactProblem).
-    /// Of the targets, `pose` and the linear `velocity` count. Closed loops are not closed.
-    /// Matrices are by columns. Allocates memory at each call.
-    ///
-    /// # Errors
-    ///
-    /// If a slice does not have the model's length.
-    pub fn contact_problem(
-        &mut self,
-        TimeStepInput { q, qd, tau, dt }: TimeStepInput<'_, S>,
-        settings: &ConstraintSettings<S, impl AsRef<[ContactTarget<S>]>>,
-        outputs: ContactProblemOutputs<'_, S>,
-    ) -> Result<(), ShapeError> {
-        let n = self.model.nv();
-        let count = self.model.contacts().len();
-        let rows = 3 * count;
-        check("q", q, self.model.nq())?;
-        check("qd", qd, n)?;
-        check("tau", tau, n)?;
-        check("settings.contacts", settings.contacts.as_ref(), count)?;
-        check("outputs.qd", outputs.qd, n)?;
-        check("outputs.heights", outputs.heights, count)?;
-        check("outputs.before", outputs.before, count)?;
-        check("outputs.free", outputs.free, count)?;
-        check("outputs.mobility", outputs.mobility, rows * rows)?;
-        check("outputs.responses", outputs.responses, rows * n)?;
-        let Constraints { mechanism, layout, workspaces, .. } = self.constraints();
-        let input = TimeStepInput { q, qd, tau, dt };
-        constraints::contact_problem(mechanism, layout, input, settings, workspaces, outputs);
-        Ok(())
-    }
-
-    /// Computes a step of the time `dt` (s) on the ground under the joint forces `tau`, in a fixed
-    /// number of sweeps over the contacts, which start from `impulses`: see
-    /// [`contact_step`](crate::Robot::contact_step). Allocates memory at each call.
-    ///
-    /// # Errors
-    ///
-    /// If a slice does not have the model's length.
-    pub fn contact_step(
-        &mut self,
-        TimeStepInput { q, qd, tau, dt }: TimeStepInput<'_, S>,
-        impulses: &[S],
-        settings: &ConstraintSettings<S, impl AsRef<[ContactTarget<S>]>>,
-        outputs: ContactStepOutputs<'_, S>,
-    ) -> Result<(), ShapeError> {
-        let n = self.model.nv();
-        let targets = settings.contacts.as_ref();
-        let count = self.model.contacts().len();
-        let zero = S::zero();
-        check("impulses", impulses, 3 * count)?;
-        check("outputs.impulses", outputs.impulses, 3 * count)?;
-        let vectors = || vec![Vector3::zero(); count];
-        let mut heights = vec![zero; count];
-        let mut before = vectors();
-        let mut free = vectors();
-        let mut mobility = vec![zero; 9 * count * count];
-        let mut responses = vec![zero; 3 * count * n];
-        let mut problem = ContactProblemOutputs {
-            qd: outputs.qd,
-            heights: &mut heights,
-            before: &mut before,
-            free: &mut free,
-            mobility: &mut mobility,
-            responses: &mut responses,
-        };
-        self.contact_problem(TimeStepInput { q, qd, tau, dt }, settings, problem.reborrow())?;
-        outputs.impulses.copy_from_slice(impulses);
-        *outputs.residual =
-            constraints::sweep_contacts(&mut problem, dt, targets, outputs.impulses);
-        let moved: Vec<S> = problem.qd.iter().map(|&rate| rate * dt).collect();
-        self.integrate(q, &moved, outputs.q)
     }
 
     /// Computes the joint forces `tau` (N m or N) of the accelerations `qdd`, and the wrenches of

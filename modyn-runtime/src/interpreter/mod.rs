@@ -40,7 +40,7 @@ use inertias::Inertias;
 
 pub use actuation::ActuatorOutputs;
 pub use constraint_hessians::ConstrainedHessianOutputs;
-pub use constraints::{ConstrainedDerivatives, ContactProblemOutputs, ContactStepOutputs};
+pub use constraints::ConstrainedDerivatives;
 pub use derivatives::ForwardDerivatives;
 pub use errors::{DecompositionError, FrameError, ModuleMismatch, ShapeError, UpdateError};
 pub use factorization::UduFactorization;

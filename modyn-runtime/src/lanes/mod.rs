@@ -27,14 +27,14 @@ mod sse2;
 #[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
 mod vector;
 
+use crate::Scalar;
 pub use crate::scalar::Chunk;
 use crate::scalar::SimdTask;
 use crate::scalar::trig::Precision;
-use crate::solve::Decide;
 pub use level::{SimdLevel, force_level, level};
 
 /// A vector type: the same operation applies to all its lanes.
-pub trait Lanes: Decide {
+pub trait Lanes: Scalar {
     /// The type of a lane.
     type Lane: Float;
 
@@ -100,7 +100,7 @@ pub trait Lanes: Decide {
 
 /// A floating-point type with vectors: `f64` or `f32`.
 #[allow(private_bounds)] // Other crates cannot implement it.
-pub trait Float: Decide + Precision + Send + Sync {
+pub trait Float: Scalar + Precision + Send + Sync {
     /// Runs `work` on the widest vectors of the processor.
     #[doc(hidden)]
     fn dispatch(work: impl BatchTask<Self>);

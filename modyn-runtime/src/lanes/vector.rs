@@ -246,7 +246,6 @@ macro_rules! vector {
             }
         }
 
-        impl crate::solve::Decide for $name {}
     };
 }
 

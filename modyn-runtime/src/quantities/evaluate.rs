@@ -14,9 +14,9 @@ use crate::equations::derivatives::CentroidalOutputs;
 use crate::equations::soft_constraints::StepInput;
 use crate::equations::{Forces, ForwardInput, Motion, State, TimeStepInput};
 use crate::interpreter::{
-    ActuatorOutputs, ConstrainedDerivatives, ConstrainedHessianOutputs, ContactProblemOutputs,
-    ContactStepOutputs, ForwardDerivatives, FrameError, HessianOutputs, Interpreter, ShapeError,
-    StepHessianOutputs, StepOutputs, StepSolutionOutputs,
+    ActuatorOutputs, ConstrainedDerivatives, ConstrainedHessianOutputs, ForwardDerivatives,
+    FrameError, HessianOutputs, Interpreter, ShapeError, StepHessianOutputs, StepOutputs,
+    StepSolutionOutputs,
 };
 use crate::spatial::{Momentum, Pose, Twist, Vector3, Wrench};
 use crate::{ConstraintSettings, ContactSurface, ContactTarget, Scalar, StepSettings};

@@ -125,26 +125,6 @@ macro_rules! layouts {
                 let fields = vec![("qd", velocities(s)), ("impulses", impulses), ("rank", Shape::Scalar)];
                 named_fields("ContactImpulse", fields)
             };
-            contact_problem (ContactProblem<
-                Self::V<T>, Self::PerContact<T>, Self::PerContact<Vector3<T>>, Self::PerContact<Vector3<T>>,
-                Self::PerContactRow<Self::PerContactRow<T>>, Self::PerContactRow<Self::V<T>>
-            >) |s| {
-                let rows = 3 * s.contacts;
-                let fields = vec![
-                    ("qd", velocities(s)),
-                    ("heights", Shape::vector(s.contacts)),
-                    ("before", contact_vectors(s)),
-                    ("free", contact_vectors(s)),
-                    ("mobility", Shape::matrix(rows, rows)),
-                    ("responses", velocities(s).columns(rows)),
-                ];
-                Shape::Record(Record::Each("ContactProblem"), fields)
-            };
-            contact_step (ContactStep<Self::Q<T>, Self::V<T>, Self::PerContact<Vector3<T>>, T>) |s| {
-                let state = [("q", coordinates(s)), ("qd", velocities(s))];
-                let contacts = [("impulses", contact_vectors(s)), ("residual", Shape::Scalar)];
-                Shape::Record(Record::Each("ContactStep"), [state, contacts].concat())
-            };
             step_solution (StepSolution<
                 Self::Q<T>, Self::V<T>, Self::V<T>, Self::PerTouchingPoint<Vector3<T>>, T, T
             >) |s| {

@@ -472,57 +472,6 @@ macro_rules! quantities {
                         write(&transmitted, impulses);
                     };
 
-            ContactProblem contact_problem / contact_problem_with(q, qd, tau, dt, settings)
-                -> contact_problem, [constraints inertia],
-             "Returns the problem of a step of the time `dt` (s) on the ground under the joint \
-              forces `tau`, in the space of the\n\
-             contacts' points: the motion without contacts, and the effects of unit impulses on the points and on the\n\
-             velocities. Of the targets, `pose` and the linear `velocity` count. Closed loops are \
-             not closed. `solve::ground` has\n\
-             the solver.",
-             "`{Self}` has no function `contact_problem`",
-             batch ContactProblemBatch "`{Self}` has no function `contact_problem_batch`"
-             => |robot, [after, heights, before, free, mobility, responses]| {
-                        let (mut moving, mut falling) = (read(before), read(free));
-                        let results = ContactProblemOutputs {
-                            qd: after,
-                            heights,
-                            before: &mut moving,
-                            free: &mut falling,
-                            mobility,
-                            responses,
-                        };
-                        let input = TimeStepInput { q, qd, tau, dt: dt[0] };
-                        robot.contact_problem(input, &settings_of(settings), results)?;
-                        write(&moving, before);
-                        write(&falling, free);
-                    };
-
-            ContactStep contact_step / contact_step_with(q, qd, tau, dt, impulses, settings)
-                -> contact_step, [constraints inertia],
-             "Returns the state after a step of the time `dt` (s) on the ground under the joint \
-              forces `tau`: contacts with Coulomb\n\
-             friction, which push and do not pull, at the planes of their targets. `impulses` are \
-             those of the last step, or zero:\n\
-             the solver starts from them. It sweeps six times over the contacts; `residual` says \
-             how well that sufficed. Of the\n\
-             targets, `pose`, the linear `velocity`, `alpha`, `beta`, `restitution`, `compliance` \
-             and `friction` count. Joints have no stops,\n\
-             and closed loops are not closed. In Rust and Python, `step_on_ground` also stops \
-             joints, and solves to a tolerance.",
-             "`{Self}` has no function `contact_step`",
-             batch ContactStepBatch "`{Self}` has no function `contact_step_batch`"
-             => |robot, [next, after, impulses_after, residual]| {
-                        let results = ContactStepOutputs {
-                            q: next,
-                            qd: after,
-                            impulses: impulses_after,
-                            residual: &mut residual[0],
-                        };
-                        let input = TimeStepInput { q, qd, tau, dt: dt[0] };
-                        robot.contact_step(input, impulses, &settings_of(settings), results)?;
-                    };
-
             Step step / step_with(q, qd, tau, dt, warm_start, step_settings) -> step_solution, [solver inertia],
              "Returns the state after a step of the time `dt` (s) under the joint forces `tau`, \
               with contacts, joint limits, dry\n\

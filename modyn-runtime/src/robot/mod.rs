@@ -17,10 +17,10 @@ use crate::results::{
     ActuatorForces, CentroidalMomentumDerivatives, ConstrainedForwardDynamics,
     ConstrainedForwardDynamicsDerivatives, ConstrainedForwardDynamicsHessian,
     ConstrainedInverseDynamics, ConstraintProjection, ConstraintResidual, ContactImpulse,
-    ContactProblem, ContactStep, DifferenceDerivatives, ForwardDynamicsDerivatives,
-    ForwardDynamicsHessian, ForwardDynamicsJvp, ForwardDynamicsVjp, GeneralizedForces,
-    IntegrateDerivatives, InverseDynamicsDerivatives, InverseDynamicsHessian, InverseDynamicsJvp,
-    InverseDynamicsVjp, OperationalInertia, Step, StepDerivatives, StepHessian, StepSolution,
+    DifferenceDerivatives, ForwardDynamicsDerivatives, ForwardDynamicsHessian, ForwardDynamicsJvp,
+    ForwardDynamicsVjp, GeneralizedForces, IntegrateDerivatives, InverseDynamicsDerivatives,
+    InverseDynamicsHessian, InverseDynamicsJvp, InverseDynamicsVjp, OperationalInertia, Step,
+    StepDerivatives, StepHessian, StepSolution,
 };
 use crate::spatial::{Momentum, Pose, Twist, Vector3, Wrench};
 use crate::step_settings::{ContactSurface, StepSettings};
@@ -147,12 +147,6 @@ pub trait Robot {
     type PerConstraint<X: Copy>: Array<X>;
     /// The type of arrays with an entry for each constraint row, all contacts active.
     type PerConstraintRow<X: Copy>: Array<X>;
-    /// The type of arrays with an entry for each row of the points of contacts: three for each
-    /// contact.
-    type PerContactRow<X: Copy>: Array<X>;
-    /// The type of arrays with an entry for each row of the points of contacts, then for each entry
-    /// of the velocity vector.
-    type PerGroundRow<X: Copy>: Array<X>;
     /// The type of the regressor: an array of columns.
     type Regressor<T: Scalar>: Array<Self::V<T>>;
     /// The type of the factorization by modules.

@@ -3,9 +3,8 @@
 use crate::robot::SurfaceSettings;
 use crate::scalar::positive;
 use crate::setting_range::{SettingError, SettingPlace, SettingRange};
-use crate::solve::Decide;
 use crate::spatial::{Matrix3, Pose, Vector3};
-use crate::{Robot, ShapeCenter, functions};
+use crate::{Robot, Scalar, ShapeCenter, functions};
 
 /// Ground whose height is given on a grid in the xy plane of the world, and interpolated
 /// bilinearly. Beyond the grid the ground goes on level at the height of the border.
@@ -47,7 +46,7 @@ struct Cell<T> {
     slope: T,
 }
 
-impl<'a, T: Decide + Into<f64>> HeightField<'a, T> {
+impl<'a, T: Scalar + Into<f64>> HeightField<'a, T> {
     /// Returns the field of these heights (m): rows of `columns` heights along x, whose first is at
     /// `origin`, with these distances of neighbours along x and y (m).
     ///

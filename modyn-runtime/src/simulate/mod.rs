@@ -25,22 +25,16 @@
 //! function.
 //!
 //! [`State::step`] is a step with contacts, joint limits and dry joint friction by MuJoCo's law.
-//! [`State::step_on_ground`] is a step with unilateral contacts, friction and joint stops.
 //! [`SpringGround`] is the simple alternative: a force for each point, for
 //! [`State::semi_implicit_euler`].
 
-#[cfg(feature = "alloc")]
-pub mod by_numbers;
 mod ground;
 mod height_field;
-pub mod impulses;
 pub mod rollout;
 mod step;
 
-pub use crate::solve::{ContactMode, Effort, Residual};
-pub use ground::{GroundImpulses, GroundStep, SpringGround, limit_effort};
+pub use ground::{SpringGround, limit_effort};
 pub use height_field::HeightField;
-pub use impulses::Ground;
 pub use step::SolvedStep;
 
 use core::fmt;

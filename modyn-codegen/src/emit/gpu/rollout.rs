@@ -125,8 +125,8 @@ pub struct GpuRollout {
     /// The name of the entry point.
     pub name: String,
     /// The name of the function of a time step; `constrained_forward_dynamics` for a semi-implicit
-    /// Euler step that closes the loops and holds contacts. `contact_step` starts from the impulses
-    /// of the step before, `step` from its accelerations; the first step starts from zeros.
+    /// Euler step that closes the loops and holds contacts. `step` starts from the accelerations of
+    /// the step before; the first step starts from zeros.
     pub step: &'static str,
     /// The number of settings of that function, in the order of `ConstraintSettings`, or of
     /// `StepSettings` for `step`; zero for functions without settings.

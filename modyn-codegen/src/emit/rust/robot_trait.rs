@@ -77,8 +77,6 @@ impl Robot<'_> {
              type PerActivation<X: ::core::marker::Copy> = [X; {activations}];\n\
              type PerConstraint<X: ::core::marker::Copy> = [X; {constraints}];\n\
              type PerConstraintRow<X: ::core::marker::Copy> = [X; {rows}];\n\
-             type PerContactRow<X: ::core::marker::Copy> = [X; {contact_rows}];\n\
-             type PerGroundRow<X: ::core::marker::Copy> = [X; {ground_rows}];\n\
              type Regressor<T: __modyn::Scalar> = [[T; {nv}]; {columns}];\n\
              type UduFactorization<T: __modyn::Scalar> = {brge};\n\
              fn neutral<T: __modyn::Scalar>() -> [T; {nq}] {{\n    Self::NEUTRAL.map(|x| \
@@ -89,8 +87,6 @@ impl Robot<'_> {
             controls = sizes.controls,
             activations = sizes.activations,
             rows = self.model.constraint_rows(),
-            contact_rows = 3 * self.model.contacts().len(),
-            ground_rows = 3 * self.model.contacts().len() + nv,
             columns = PARAMETERS_PER_LINK * self.model.links().len(),
         );
         // The trait, which all robots share, has no bundles.

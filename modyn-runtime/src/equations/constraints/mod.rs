@@ -14,8 +14,6 @@
 //! | `path` | the joints that move a point, and the derivatives of its motion |
 //! | `loop_derivatives` | the part of loop constraints in the derivatives |
 //! | `impulse` | velocities after an impact, and the impulses |
-//! | `contact_problem` | the velocities of a step without impulses, J M^-1 J^T and M^-1 J^T of the contacts' points |
-//! | `contact_step` | the impulses of a step on the ground, in a fixed number of sweeps |
 //! | `inverse_dynamics` | joint forces of accelerations, and the contact wrenches that carry a floating base |
 //! | `jacobian` | the Jacobian and the bias acceleration |
 //! | `operational_inertia` | J M^-1 J^T and its pseudo-inverse |
@@ -57,8 +55,6 @@
 mod adjoint;
 mod arguments;
 mod contact;
-mod contact_problem;
-mod contact_step;
 mod derivative_terms;
 mod derivatives;
 mod factorization;
@@ -78,9 +74,8 @@ mod rows;
 
 pub use factorization::RowSystem;
 pub use {
-    adjoint::*, arguments::*, contact_problem::*, contact_step::*, derivatives::*,
-    forward_dynamics::*, impulse::*, inverse_dynamics::*, jacobian::*, operational_inertia::*,
-    projection::*, residual::*,
+    adjoint::*, arguments::*, derivatives::*, forward_dynamics::*, impulse::*, inverse_dynamics::*,
+    jacobian::*, operational_inertia::*, projection::*, residual::*,
 };
 
 use alloc::{vec, vec::Vec};

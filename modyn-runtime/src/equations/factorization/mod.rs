@@ -16,9 +16,7 @@ mod solve;
 
 pub(super) use lu::{factor_ul, solve_ul};
 pub(super) use recursive::factorize_tree;
-pub(super) use solve::{
-    solve_lower_factor, solve_lower_within, solve_upper_factor, solve_upper_within,
-};
+pub(super) use solve::{solve_lower_factor, solve_upper_factor, solve_upper_within};
 
 pub use {
     layout::UduLayout,

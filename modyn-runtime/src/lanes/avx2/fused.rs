@@ -53,7 +53,6 @@ macro_rules! fused {
             }
         }
 
-        impl crate::solve::Decide for $name {}
 
         impl SingleLane for $name {
             #[inline(always)]
