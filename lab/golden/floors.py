@@ -2,9 +2,9 @@
 limits, dry friction, damping, closed loops, fixed tendons, couplings of joints and tendons, and all settings in general position.
 """
 
-import ground
 import mujoco
 import numpy
+import standing
 
 STEP = 0.002
 ROBOTS = 48
@@ -141,7 +141,7 @@ def scene(rng, k):
         inner = f"<body pos='{numbers(rng.uniform(-0.2, 0.2, 3))}'>{joint(rng)}{geom(rng, kinds[2 * i])}</body>" * (i != 1)
         limbs += f"<body name='limb{i}' pos='{numbers(rng.uniform(-0.3, 0.3, 3))}' {turned(rng)}>{joint(rng)}{geom(rng, kinds[2 * i + 1])}{inner}</body>"
     limbs, joints = named(rng, limbs) if k >= TENDONS else (limbs, [])
-    rotation = numpy.array(ground.rotation(rng.normal(size=3), rng.uniform(0, 0.6)))
+    rotation = numpy.array(standing.rotation(rng.normal(size=3), rng.uniform(0, 0.6)))
     floor = (f'<geom name="floor" type="plane" size="0 0 1" pos="{numbers(rng.uniform(-0.3, 0.3, 3))}" '
              f'quat="{numbers(rotation)}" contype="1" conaffinity="2" {contact(rng)}/>')
     cone = "elliptic" if k % 2 else "pyramidal"
@@ -163,7 +163,7 @@ def scene(rng, k):
 def to_modyn(qpos, qvel):
     """Coordinates and velocities in modyn's order: quaternions x y z w, linear velocities in the axes of the base."""
     x, y, z, w, qx, qy, qz = qpos[:7]
-    linear = ground.matrix(qpos[3:7]).T @ qvel[:3]
+    linear = standing.matrix(qpos[3:7]).T @ qvel[:3]
     return [float(a) for a in [x, y, z, qx, qy, qz, w, *qpos[7:]]], [float(a) for a in [*linear, *qvel[3:]]]
 
 
@@ -173,7 +173,7 @@ def robot(rng, k):
     data = mujoco.MjData(model)
     model.opt.timestep, model.opt.tolerance, model.opt.ls_tolerance = STEP, 0.0, 1e-12
     model.opt.iterations, model.opt.ls_iterations = 300, 100
-    normal = ground.matrix(model.geom("floor").quat)[:, 2]
+    normal = standing.matrix(model.geom("floor").quat)[:, 2]
     found = {"mjcf": text, "step": STEP, "states": []}
     while len(found["states"]) < STATES:
         mujoco.mj_resetData(model, data)

@@ -1,4 +1,4 @@
-"""Makes the reference data of tests/golden with Pinocchio, and of motions on the ground with MuJoCo: see the README there.
+"""Makes the reference data of tests/golden with Pinocchio, and of steps on planes with MuJoCo: see the README there.
 
 The robots taken from elsewhere keep their states, which are read from their files; all quantities are computed
 anew. The random mechanisms, the loops and their states come from seeds. With the versions of requirements.txt the
@@ -17,7 +17,6 @@ import actuators
 import contacts
 import displacements
 import floors
-import ground
 import hessians
 import loops
 import mechanisms
@@ -181,7 +180,6 @@ def files():
         yield f"{name}.json", lambda name=name: text(loop(name))
     for name in contacts.ROBOTS:
         yield f"{name}.json", lambda name=name: text(standing(name))
-    yield "ground.json", lambda: text(ground.cases(ROOT))
     yield "floors.json", lambda: json.dumps(floors.make(ROOT)) + "\n"
     yield "actuators.json", lambda: json.dumps(actuators.make(ROOT)) + "\n"
     yield "soft_steps.json", lambda: json.dumps(soft_steps.make(ROOT)) + "\n"

@@ -5,21 +5,21 @@ Each touching point is a sphere on a plane in general position. The law and its 
 friction, dry friction and damping, which are random. MuJoCo solves to a tolerance far below its default.
 """
 
-import ground
 import mujoco
 import numpy
+import standing
 
 STEP = 0.002
 RADIUS = 0.011
 STATES = 8
-FLOOR = {"quaternion": tuple(ground.rotation([0.6, -0.8, 0.1], 0.3)), "place": (0.3, -0.2, 0.7)}
-ROBOTS = {"quadruped": ("quadruped.urdf", ground.FEET), "humanoid": ("humanoid.urdf", ground.SOLES)}
+FLOOR = {"quaternion": tuple(standing.rotation([0.6, -0.8, 0.1], 0.3)), "place": (0.3, -0.2, 0.7)}
+ROBOTS = {"quadruped": ("quadruped.urdf", standing.FEET), "humanoid": ("humanoid.urdf", standing.SOLES)}
 CONES = {"pyramidal": mujoco.mjtCone.mjCONE_PYRAMIDAL, "elliptic": mujoco.mjtCone.mjCONE_ELLIPTIC}
 
 
 def world(path, points):
     """The robot above the floor, with MuJoCo's default softness."""
-    made = ground.World(path, points, 0.8, **FLOOR)
+    made = standing.World(path, points, 0.8, **FLOOR)
     model = made.model
     model.opt.timestep, model.opt.tolerance, model.opt.ls_tolerance = STEP, 0.0, 1e-10
     model.opt.iterations, model.opt.ls_iterations, model.opt.impratio = 200, 100, 1.5
@@ -27,7 +27,7 @@ def world(path, points):
     model.geom_solref[:], model.geom_solimp[:] = [0.02, 1], [0.9, 0.95, 0.001, 0.5, 2]
     spheres = [model.geom(name).id for name in made.points]
     model.geom_size[spheres, 0] = RADIUS
-    # The plane is `ground.RADIUS` below its place.
+    # The plane is `standing.RADIUS` below its place.
     model.geom("ground").pos[:] = made.place
     return made
 
@@ -35,7 +35,7 @@ def world(path, points):
 def to_modyn(model, qpos, qvel):
     """Coordinates and velocities in modyn's order: quaternions x y z w, linear velocities in the axes of the base."""
     x, y, z, w, qx, qy, qz = qpos[:7]
-    linear = ground.matrix(qpos[3:7]).T @ qvel[:3]
+    linear = standing.matrix(qpos[3:7]).T @ qvel[:3]
     return [x, y, z, qx, qy, qz, w, *qpos[7:]], [*linear, *qvel[3:]]
 
 
@@ -57,7 +57,7 @@ def states(name, path, points):
     found = {
         "robot": name, "step": STEP, "ratio": model.opt.impratio, "radius": RADIUS,
         "joints": [model.joint(j).name for j in joints],
-        "floor": {"rotation": ground.matrix(numpy.array(FLOOR["quaternion"])).tolist(), "translation": list(FLOOR["place"])},
+        "floor": {"rotation": standing.matrix(numpy.array(FLOOR["quaternion"])).tolist(), "translation": list(FLOOR["place"])},
         "contacts": [{"name": point, "link": points[point][0], "position": list(points[point][1]), "friction": coefficient,
                       "mobility": float(model.body_invweight0[body, 0])}
                      for point, coefficient, body in zip(made.points, friction, bodies)],
@@ -72,7 +72,7 @@ def states(name, path, points):
             # Half of the robots stand on several points, the others fall on one.
             stands = k % 2 == 0
             spin = rng.normal(size=3) * (0.02 if stands else 1.0)
-            base = ground.rotation([0.6, -0.8, 0.1], 0.3) + numpy.array([0.0, *spin])
+            base = standing.rotation([0.6, -0.8, 0.1], 0.3) + numpy.array([0.0, *spin])
             data.qpos[3:7] = base / numpy.linalg.norm(base)
             data.qpos[7:] = rng.normal(size=model.nq - 7) * (0.03 if stands else 0.4)
             mujoco.mj_kinematics(model, data)

@@ -27,11 +27,7 @@ impl Check {
             ArgumentKind::Settings => Some(Self::Settings),
             ArgumentKind::StepSettings => Some(Self::StepSettings),
             ArgumentKind::RandomNumbers => Some(Self::Parts),
-            ArgumentKind::Time
-                if matches!(function, Some(Function::Step)) =>
-            {
-                Some(Self::TimeStep)
-            }
+            ArgumentKind::Time if matches!(function, Some(Function::Step)) => Some(Self::TimeStep),
             _ => None,
         }
     }

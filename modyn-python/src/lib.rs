@@ -158,8 +158,8 @@ fn options_table() -> Vec<(&'static str, String, &'static str, &'static str)> {
 mod _modyn {
     #[pymodule_export]
     use super::conventions::{
-        mujoco_from_qacc, mujoco_from_qpos, mujoco_from_qvel, mujoco_to_qacc,
-        mujoco_to_qpos, mujoco_to_qvel, pinocchio_angle, pinocchio_cos_sin,
+        mujoco_from_qacc, mujoco_from_qpos, mujoco_from_qvel, mujoco_to_qacc, mujoco_to_qpos,
+        mujoco_to_qvel, pinocchio_angle, pinocchio_cos_sin,
     };
     #[pymodule_export]
     use super::entries::{call_arrays, rollout_code, xla_handler};

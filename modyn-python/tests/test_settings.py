@@ -26,9 +26,6 @@ def state(robot):
 
 
 BAD = [
-    ("friction", np.nan, "not negative"),
-    ("friction", -0.8, "not negative"),
-    ("friction", np.inf, "not negative"),
     ("restitution", 2.0, "from 0 to 1"),
     ("restitution", -5.0, "from 0 to 1"),
     ("compliance", -1.0, "not negative"),
@@ -54,12 +51,10 @@ def doors(robot):
         "constrained_forward_dynamics_derivatives": (q, qd, tau),
         "constraint_residual": (q, qd),
         "contact_impulse": (q, qd),
-        "contact_problem": (q, qd, tau, DT),
-        "contact_step": (q, qd, tau, DT, np.zeros((2, 3))),
     }
     call = lambda name, arguments: lambda settings: getattr(robot, name)(*arguments, settings=settings)
     found = {name: call(name, arguments) for name, arguments in functions.items()}
-    found["many states"] = lambda settings: robot.contact_problem(np.stack([q, q]), qd, tau, DT, settings=settings)
+    found["many states"] = lambda settings: robot.contact_impulse(np.stack([q, q]), qd, settings=settings)
     return found
 
 
@@ -86,8 +81,8 @@ def test_the_state_of_a_wrong_number_is_named(robot):
     q, qd, tau = state(robot)
     settings = np.tile(np.asarray(ConstraintSettings([ContactTarget()] * 2)), (5, 1))
     settings[3, -1] = -0.5
-    with pytest.raises(ValueError, match=r"`friction` of `settings.contacts\[1\]` is -0.5.*\(in state 3\)"):
-        robot.contact_problem(q, qd, tau, DT, settings)
+    with pytest.raises(ValueError, match=r"`weight` of `settings.contacts\[1\]` is -0.5.*\(in state 3\)"):
+        robot.contact_impulse(q, qd, settings=settings)
 
 
 def steps(robot):
@@ -183,9 +178,9 @@ def test_torch_checks_settings(robot):
     import modyn.torch
 
     q, qd, tau = state(robot)
-    bad = torch.from_numpy(np.asarray(ConstraintSettings([ContactTarget(), ContactTarget(friction=-0.1)])))
-    with pytest.raises(ValueError, match=r"`friction` of `settings.contacts\[1\]` is -0.1"):
-        modyn.torch.function(robot, "contact_problem")(q, qd, tau, DT, bad)
+    bad = torch.from_numpy(np.asarray(ConstraintSettings([ContactTarget(), ContactTarget(compliance=-0.1)])))
+    with pytest.raises(ValueError, match=r"`compliance` of `settings.contacts\[1\]` is -0.1"):
+        modyn.torch.function(robot, "contact_impulse")(q, qd, np.ones(2), bad)
 
 
 def test_random_parts_are_between_zero_and_one(robot):
@@ -219,7 +214,7 @@ def test_nan_reaches_the_results_of_every_function(machine_code):
         call = lambda changed: numbers(getattr(robot, name)(*({**given, **changed}.values()), *link))
         found[name] = 0
         for argument, x in given.items():
-            is_checked = argument in ("settings", "step_settings") or (name, argument) in [("contact_step", "dt"), ("step", "dt")]
+            is_checked = argument in ("settings", "step_settings") or (name, argument) == ("step", "dt")
             if is_checked or argument == "contacts" or x.size == 0:
                 continue
             moved, unknown = (np.tile(x.ravel(), (x.size, 1)) for _ in range(2))

@@ -25,8 +25,7 @@ use crate::spatial::{Pose, Twist, Vector3};
 pub struct ConstraintSettings<T, C = [ContactTarget<T>; 0]> {
     /// The damping of the displacements of loop constraints, 1/s.
     pub alpha: T,
-    /// The stiffness of the displacements of loop constraints, 1/s; for steps on the ground also
-    /// the rate at which a joint beyond a stop returns.
+    /// The stiffness of the displacements of loop constraints, 1/s.
     pub beta: T,
     /// The mobility of a dependent row relative to its constraint's mobility in all six directions:
     /// the squared angular error of the mechanism's axes, rad^2.
@@ -56,14 +55,11 @@ pub struct ContactTarget<T> {
     pub tangential: T,
     /// The damping of the displacement, 1/s.
     pub alpha: T,
-    /// The stiffness of the displacement, 1/s. In steps on the ground a rigid contact leaves the
-    /// ground at `beta` times its depth.
+    /// The stiffness of the displacement, 1/s.
     pub beta: T,
     /// The relative acceleration that the contact allows per force, 1/kg; per moment the value is
     /// divided by the squared characteristic length. A rigid contact has 0. Redundant contacts with
-    /// compliance share the load by it. In steps on the ground it acts along the normal: h'' = -2
-    /// alpha h' - `beta`^2 h + compliance f in the ground, with the height h and the force f. The
-    /// contact carries f at the depth compliance f / `beta`^2.
+    /// compliance share the load by it.
     pub compliance: T,
     /// The coefficient of restitution along the normal: the speed after an impact divided by the
     /// speed before.
@@ -71,8 +67,6 @@ pub struct ContactTarget<T> {
     /// The weight of the contact in the distribution of the load by inverse dynamics, relative to
     /// the other contacts' weights.
     pub weight: T,
-    /// The coefficient of Coulomb friction, for steps on the ground.
-    pub friction: T,
 }
 
 impl<T: Copy, C> ConstraintSettings<T, C> {
@@ -95,21 +89,20 @@ impl<T: Copy, C> ConstraintSettings<T, C> {
 
 impl<T: Copy> ContactTarget<T> {
     /// The number of numbers of a target.
-    pub const COUNT: usize = 25;
+    pub const COUNT: usize = 24;
 
     /// Returns the target from its numbers: the rotation by rows, the translation, the velocity
-    /// (angular, then linear), tangential, alpha, beta, compliance, restitution, weight and
-    /// friction.
+    /// (angular, then linear), tangential, alpha, beta, compliance, restitution and weight.
     ///
     /// ```
     /// use modyn_runtime::ContactTarget;
     ///
     /// let target = ContactTarget::from_numbers(core::array::from_fn(|k| k as f64));
     /// assert_eq!(target.pose.rotation[1], [3.0, 4.0, 5.0]);
-    /// assert_eq!((target.velocity.linear.0, target.friction), ([15.0, 16.0, 17.0], 24.0));
+    /// assert_eq!((target.velocity.linear.0, target.weight), ([15.0, 16.0, 17.0], 23.0));
     /// ```
     #[must_use]
-    pub fn from_numbers(numbers: [T; 25]) -> Self {
+    pub fn from_numbers(numbers: [T; 24]) -> Self {
         let three = |from: usize| [numbers[from], numbers[from + 1], numbers[from + 2]];
         Self {
             pose: Pose { rotation: [three(0), three(3), three(6)], translation: three(9) },
@@ -120,19 +113,18 @@ impl<T: Copy> ContactTarget<T> {
             compliance: numbers[21],
             restitution: numbers[22],
             weight: numbers[23],
-            friction: numbers[24],
         }
     }
 
     /// Returns the numbers of the target, in the order of [`from_numbers`](Self::from_numbers).
     #[must_use]
-    pub fn numbers(&self) -> [T; 25] {
+    pub fn numbers(&self) -> [T; 24] {
         let Self { pose, velocity, tangential, alpha, beta, compliance, .. } = self;
-        let Self { restitution, weight, friction, .. } = self;
+        let Self { restitution, weight, .. } = self;
         let pose = pose.rotation.iter().flatten().chain(&pose.translation);
         let velocity = velocity.angular.0.iter().chain(&velocity.linear.0);
-        let others = [tangential, alpha, beta, compliance, restitution, weight, friction];
-        let mut numbers = [*weight; 25];
+        let others = [tangential, alpha, beta, compliance, restitution, weight];
+        let mut numbers = [*weight; 24];
         for (number, value) in numbers.iter_mut().zip(pose.chain(velocity).chain(others)) {
             *number = *value;
         }
@@ -144,7 +136,7 @@ macro_rules! settings {
     ($float:ty, $tolerance:literal, $rounding:literal, $in_words:literal) => {
         impl ContactTarget<$float> {
             /// The plane z = 0 of the world, at rest and rigid; alpha = beta = 20/s, no
-            /// restitution, weight 1, friction 0.8.
+            /// restitution, weight 1.
             pub const GROUND: Self = Self {
                 pose: Pose {
                     rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
@@ -157,7 +149,6 @@ macro_rules! settings {
                 compliance: 0.0,
                 restitution: 0.0,
                 weight: 1.0,
-                friction: 0.8,
             };
 
             /// A contact at rest at its present place: [`GROUND`](Self::GROUND) without

@@ -83,7 +83,7 @@ const SETTINGS: [(&str, SettingRange); ConstraintSettings::<f64>::COUNT] = [
 ];
 
 /// The names, the ranges and the counts of the numbers of [`ContactTarget::numbers`].
-const TARGET: [(&str, SettingRange, usize); 10] = [
+const TARGET: [(&str, SettingRange, usize); 9] = [
     ("rotation", SettingRange::Finite, 9),
     ("translation", SettingRange::Finite, 3),
     ("velocity", SettingRange::Finite, 6),
@@ -93,7 +93,6 @@ const TARGET: [(&str, SettingRange, usize); 10] = [
     ("compliance", SettingRange::NotNegative, 1),
     ("restitution", SettingRange::UpToOne, 1),
     ("weight", SettingRange::Positive, 1),
-    ("friction", SettingRange::NotNegative, 1),
 ];
 
 /// The names of [`StepSettings::numbers`](crate::StepSettings::numbers).
@@ -360,7 +359,6 @@ mod tests {
             ("compliance", [0.0, 1e9], [-1e-9, f64::NAN]),
             ("restitution", [0.0, 1.0], [-1e-9, 1.0 + 1e-9]),
             ("weight", [1e-9, 1e9], [0.0, -1.0]),
-            ("friction", [0.0, 1e9], [-1e-9, -0.8]),
             ("translation", [-1e9, 1e9], [f64::NEG_INFINITY, f64::NAN]),
             ("velocity", [-1e9, 1e9], [f64::NEG_INFINITY, f64::NAN]),
         ];

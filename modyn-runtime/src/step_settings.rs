@@ -114,8 +114,7 @@ impl<T: Copy> ContactSurface<T> {
 macro_rules! defaults {
     ($float:ty, $tolerance:literal) => {
         impl ContactSurface<$float> {
-            /// No rounding, and the plane z = 0 of the world, with MuJoCo's default friction and's default
-            /// softness.
+            /// No rounding, and the plane z = 0 of the world, with MuJoCo's default friction and softness.
             pub const GROUND: Self = Self {
                 plane: Pose {
                     rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],

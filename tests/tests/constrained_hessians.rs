@@ -75,7 +75,7 @@ fn point(model: &Model, seed: u64, active: Vec<bool>, wrenches: f64) -> Point {
     let State { q, qd, tau, .. } = random::state(seed, model);
     let random = &mut Random::new(seed);
     let target = |random: &mut Random| {
-        let mut numbers = [0.0; 25];
+        let mut numbers = [0.0; 24];
         let pose = pose(random);
         numbers[..9].copy_from_slice(pose.rotation.as_flattened());
         numbers[9..12].copy_from_slice(&pose.translation);

@@ -10,7 +10,7 @@ use modyn::na::{DMatrix, DVector};
 use modyn::simulate::State;
 
 use crate::ilqr::{LinearStep, Problem, Solution, Step};
-use crate::problems::ground;
+use crate::problems::GROUND;
 use crate::robots::{Quadruped, QuadrupedContacts, Settings, TORQUE_LIMIT};
 use crate::tangent::{difference, matrix};
 
@@ -93,7 +93,7 @@ pub(crate) fn simulate(problem: &Jump, plan: &Solution<Quadruped>) -> State<Quad
     let mut x = problem.start;
     for (k, u) in plan.inputs.iter().enumerate() {
         let u = u + &plan.gains[k] * difference(&plan.states[k], &x);
-        x = x.step_on_ground(problem.dt, &Jump::tau(&u), &ground(), &Settings::DEFAULT).state;
+        x = x.step(problem.dt, &Jump::tau(&u), &GROUND).state;
     }
     x
 }

@@ -22,7 +22,7 @@ use modyn::{Pose, Robot};
 
 use ilqr::Problem;
 use problems::{GAINS, Sway};
-use robots::{Arm, ArmLink, Quadruped, Settings};
+use robots::{Arm, ArmLink, Quadruped};
 
 /// The time of a part that a method does not have.
 const ZERO: Duration = Duration::ZERO;
@@ -101,7 +101,7 @@ fn sway() {
             Ok(found) => found,
             Err(status) => return eprintln!("no torques at {time} s: {status}"),
         };
-        state = state.step_on_ground(dt, &found.tau, &problems::ground(), &Settings::DEFAULT).state;
+        state = state.step(dt, &found.tau, &problems::GROUND).state;
         let error = rotation_first(&Quadruped::difference(&sway.at(time + dt).q, &state.q));
         if norm(&error) > norm(&worst) {
             worst = error;

@@ -1,7 +1,8 @@
 //! The problems that the program solves and the tests check.
 
 use modyn::na::DVector;
-use modyn::simulate::{Gains, Ground, Reference, State};
+use modyn::simulate::{Gains, Reference, State};
+use modyn::{ContactSurface, StepSettings};
 
 use crate::jump::Jump;
 use crate::lqr::{Regulator, Weights};
@@ -88,10 +89,15 @@ pub(crate) fn displaced(regulator: &Regulator<Arm>) -> State<Arm> {
 /// The gains of the whole-body controller.
 pub(crate) const GAINS: Gains = Gains { stiffness: 400.0, damping: 40.0 };
 
-/// Returns the ground of the simulation. The description's limits of joints are placeholders.
-pub(crate) fn ground() -> Ground {
-    Ground { joint_limits: false, ..Ground::default() }
-}
+/// The ground of the simulation, nearly rigid.
+pub(crate) const GROUND: StepSettings<f64, [ContactSurface<f64>; 4]> = StepSettings {
+    contacts: [ContactSurface {
+        solref: [0.004, 1.0],
+        solimp: [0.99, 0.999, 0.0005, 0.5],
+        ..ContactSurface::<f64>::GROUND
+    }; 4],
+    ..StepSettings::<f64, [ContactSurface<f64>; 4]>::DEFAULT
+};
 
 /// A periodic motion of the base in all six directions that starts from rest.
 pub(crate) struct Sway {

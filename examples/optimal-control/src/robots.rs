@@ -17,7 +17,7 @@ modyn::modyn! {
         integrate, integrate_derivatives, difference, difference_derivatives,
         constraint_jacobian, constraint_bias_acceleration, constraint_residual,
         constrained_inverse_dynamics, constrained_forward_dynamics, constrained_forward_dynamics_derivatives,
-        contact_problem,
+        step,
     ],
     contacts = [
         "front left": point("front_left_foot"),

@@ -158,7 +158,7 @@ fn sparse(dense: &DMatrix<f64>) -> CscMatrix<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::problems::{GAINS, Sway, ground};
+    use crate::problems::{GAINS, GROUND, Sway};
     use crate::robots::{Settings, standing};
 
     fn assert_within_limits(found: &Command) {
@@ -181,7 +181,7 @@ mod tests {
             let time = dt * f64::from(k);
             let found = command(&state, &sway.at(time), GAINS).expect("solved");
             assert_within_limits(&found);
-            let step = state.step_on_ground(dt, &found.tau, &ground(), &Settings::DEFAULT);
+            let step = state.step(dt, &found.tau, &GROUND);
             state = step.state;
             // The ground pushes as planned.
             for (foot, force) in step.forces.iter().enumerate() {

@@ -26,15 +26,15 @@ import modyn
 
 ROOT = Path(__file__).resolve().parents[3]
 sys.path.insert(0, str(ROOT / "lab/golden"))
-import ground  # noqa: E402
+import standing  # noqa: E402
 
 STEPS, DT, MOTIONS, RUNS, TOLERANCE = 50, 0.002, 128, 5, 1e-8
-ROBOTS = {"quadruped, four feet": ("quadruped.urdf", ground.FEET), "humanoid, eight points": ("humanoid.urdf", ground.SOLES)}
+ROBOTS = {"quadruped, four feet": ("quadruped.urdf", standing.FEET), "humanoid, eight points": ("humanoid.urdf", standing.SOLES)}
 
 
 def worlds(file, points):
     """Returns MuJoCo's model with its users' settings, modyn's robot, and the posture: bent legs, the lowest point on the ground."""
-    world = ground.World(ROOT / "robots" / file, points, 0.8)
+    world = standing.World(ROOT / "robots" / file, points, 0.8)
     model = world.model
     model.opt.timestep, model.opt.tolerance, model.opt.impratio = DT, 1e-8, 1.0
     model.opt.cone = mujoco.mjtCone.mjCONE_PYRAMIDAL
@@ -43,7 +43,7 @@ def worlds(file, points):
     posture = [next((bend for part, bend in bends.items() if part in joint.name), 0.0) for joint in world.joints]
     if file == "quadruped.urdf":
         posture = [[0.0, 0.6, -1.2][k % 3] * (1 if k < 6 else -1) for k in range(12)]
-    ground.place(world, posture, 0.0)
+    world.place_at(posture, 0.0)
     contacts = {name: ("point", link, list(place)) for name, (link, place) in points.items()}
     robot = modyn.load(ROOT / "robots" / file, base="floating", contacts=contacts, friction="none")
     return model, robot, world.data.qpos.copy()
@@ -97,7 +97,7 @@ def main():
     print("|---|---|---|---|---|---|---|---|")
     for name, (file, points) in ROBOTS.items():
         model, robot, qpos = worlds(file, points)
-        surface = modyn.ContactSurface(friction=0.8, radius=ground.RADIUS, translation=(0, 0, -ground.RADIUS))
+        surface = modyn.ContactSurface(friction=0.8, radius=standing.RADIUS, translation=(0, 0, -standing.RADIUS))
         settings = modyn.StepSettings([surface] * len(points), tolerance=TOLERANCE)
         for motion, (q, qd, tau) in scenes(model, robot, qpos).items():
             convert = modyn.conventions.MuJoCo(robot, model)

@@ -70,7 +70,7 @@ fn contacts_are_arguments() {
     let feet = [point("left", "front_left_foot"), point("right", "hind_right_foot")];
     let builder = builder.functions([Function::ConstrainedForwardDynamics]).contacts(feet);
     let header = &builder.emit(Target::C).expect("good").files[1].text;
-    let declared = "const double contacts[2], const double settings[54], double out[43]";
+    let declared = "const double contacts[2], const double settings[52], double out[43]";
     assert!(header.contains(declared), "{header}");
 }
 

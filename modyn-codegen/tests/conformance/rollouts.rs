@@ -244,15 +244,15 @@ fn rollouts_that_hold_contacts() {
         double active[2] = { pose[11] < 0.3 ? 1.0 : 0.0, current % 3 != 0 ? 1.0 : 0.0 };\n\
         for (int sweep = 0; sweep < 2; ++sweep) {\n\
         ours_constrained_forward_dynamics(q, qd, tau, active, settings.data(), r);\n\
-        for (int c = 0; c < 2; ++c) { const double *f = r + nv + 6 * c + 3, *ground = settings.data() + 4 + 25 * c;\n\
+        for (int c = 0; c < 2; ++c) { const double *f = r + nv + 6 * c + 3, *ground = settings.data() + 4 + 24 * c;\n\
         held += active[c] > 0;\n\
         if (f[0] * ground[2] + f[1] * ground[5] + f[2] * ground[8] < 0) { released += active[c] > 0; active[c] = 0; } }\n}\n\
         for (int j = 0; j < nv; ++j) { next[nq + j] = qd[j] + dt[0] * r[j]; moved[j] = dt[0] * next[nq + j]; }\n\
         ours_integrate(q, moved, next);\n}\n";
     let fill = "settings = { 10, 8, 1e-10, 1e-10 };\n\
         for (int c = 0; c < 2; ++c) { const double a = 0.3 - 0.5 * c, s = sin(a), k = cos(a);\n\
-        const double target[25] = { 1, 0, 0, 0, k, -s, 0, s, k, 0.1, 0.2, -0.1, 0.1, 0, 0.2, 0.1, -0.2, 0.3, 0.5, 20, 15, 1e-3, 0, 1, 0.5 };\n\
-        settings.insert(settings.end(), target, target + 25); }\n";
+        const double target[24] = { 1, 0, 0, 0, k, -s, 0, s, k, 0.1, 0.2, -0.1, 0.1, 0, 0.2, 0.1, -0.2, 0.3, 0.5, 20, 15, 1e-3, 0, 1 };\n\
+        settings.insert(settings.end(), target, target + 24); }\n";
     let forces = "for (int j = 0; j < nv; ++j) tau[j] = u[j];\ncurrent = k;";
     let arguments = ["settings.data(), data.data(), ", ""];
     let main =

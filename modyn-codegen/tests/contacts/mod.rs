@@ -188,7 +188,6 @@ fn general(model: &Model, random: &mut Random, compliance: f64) -> Settings {
             compliance,
             restitution,
             weight,
-            friction: 0.5,
         };
     }
     settings
@@ -610,7 +609,7 @@ fn numbers(settings: &Settings) -> Vec<f64> {
         numbers.extend(pose.translation);
         numbers.extend(velocity.components());
         numbers.extend([tangential, alpha, beta, &target.compliance]);
-        numbers.extend([target.restitution, target.weight, target.friction]);
+        numbers.extend([target.restitution, target.weight]);
     }
     numbers
 }

@@ -859,36 +859,6 @@ class Robot:
         Result: `ContactImpulse`: `qd` (nv,), `impulses` (constraints, 6), `rank` a number, moments
         before forces. Several states have one more axis, the first.
         """
-    def contact_problem(
-        self, q: ArrayLike, qd: ArrayLike, tau: ArrayLike, dt: ArrayLike, settings: ConstraintSettings | ArrayLike | None = None, *, out: ContactProblem | None = None
-    ) -> ContactProblem:
-        """Returns the problem of a step of the time `dt` (s) on the ground under the joint forces
-        `tau`, in the space of the contacts' points: the motion without contacts, and the effects of
-        unit impulses on the points and on the velocities. Of the targets, `pose` and the linear
-        `velocity` count. Closed loops are not closed. `solve::ground` has the solver.
-
-        Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number; `settings`:
-        `ConstraintSettings`, by default with the ground at z = 0 under all contacts.
-        Result: `ContactProblem`: `qd` (nv,), `heights` (contacts,), `before` (contacts, 3), `free`
-        (contacts, 3), `mobility` (3 contacts, 3 contacts), `responses` (nv, 3 contacts). Several
-        states have one more axis, the first.
-        """
-    def contact_step(
-        self, q: ArrayLike, qd: ArrayLike, tau: ArrayLike, dt: ArrayLike, impulses: ArrayLike, settings: ConstraintSettings | ArrayLike | None = None, *, out: ContactStep | None = None
-    ) -> ContactStep:
-        """Returns the state after a step of the time `dt` (s) on the ground under the joint forces
-        `tau`: contacts with Coulomb friction, which push and do not pull, at the planes of their
-        targets. `impulses` are those of the last step, or zero: the solver starts from them. It
-        sweeps six times over the contacts; `residual` says how well that sufficed. Of the targets,
-        `pose`, the linear `velocity`, `alpha`, `beta`, `restitution`, `compliance` and `friction`
-        count. Joints have no stops, and closed loops are not closed. In Rust and Python,
-        `step_on_ground` also stops joints, and solves to a tolerance.
-
-        Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number; `impulses`: (contacts, 3);
-        `settings`: `ConstraintSettings`, by default with the ground at z = 0 under all contacts.
-        Result: `ContactStep`: `q` (nq,), `qd` (nv,), `impulses` (contacts, 3), `residual` a number.
-        Several states have one more axis, the first.
-        """
     def step(
         self, q: ArrayLike, qd: ArrayLike, tau: ArrayLike, dt: ArrayLike, warm_start: ArrayLike | None = None, settings: StepSettings | ArrayLike | None = None, *, out: StepSolution | None = None
     ) -> StepSolution:

@@ -18,8 +18,6 @@ __all__ = [
     "ConstraintProjection",
     "ConstraintResidual",
     "ContactImpulse",
-    "ContactProblem",
-    "ContactStep",
     "DifferenceDerivatives",
     "ForwardDynamicsDerivatives",
     "ForwardDynamicsHessian",
@@ -164,36 +162,6 @@ class ContactImpulse(NamedTuple):
     impulses: NDArray[Any]
     """(constraints, 6)"""
     rank: NDArray[Any]
-    """a number"""
-
-
-class ContactProblem(NamedTuple):
-    """The result of `contact_problem`."""
-
-    qd: NDArray[Any]
-    """(nv,)"""
-    heights: NDArray[Any]
-    """(contacts,)"""
-    before: NDArray[Any]
-    """(contacts, 3)"""
-    free: NDArray[Any]
-    """(contacts, 3)"""
-    mobility: NDArray[Any]
-    """(3 contacts, 3 contacts)"""
-    responses: NDArray[Any]
-    """(nv, 3 contacts)"""
-
-
-class ContactStep(NamedTuple):
-    """The result of `contact_step`."""
-
-    q: NDArray[Any]
-    """(nq,)"""
-    qd: NDArray[Any]
-    """(nv,)"""
-    impulses: NDArray[Any]
-    """(contacts, 3)"""
-    residual: NDArray[Any]
     """a number"""
 
 

@@ -60,13 +60,11 @@ class ContactTarget:
     """the coefficient of restitution along the normal"""
     weight: float = 1.0
     """the weight of the contact in the distribution of the load by inverse dynamics"""
-    friction: float = 0.8
-    """the coefficient of Coulomb friction, for steps on the ground"""
 
     def __array__(self, dtype: DTypeLike | None = None, copy: bool | None = None) -> NDArray[Any]:
         vectors = [np.asarray(x, float).ravel() for x in (self.rotation, self.translation, self.velocity)]
         stabilization = [self.tangential, self.alpha, self.beta]
-        numbers = [*stabilization, self.compliance, self.restitution, self.weight, self.friction]
+        numbers = [*stabilization, self.compliance, self.restitution, self.weight]
         return np.concatenate([*vectors, numbers]).astype(np.dtype(dtype))
 
 

@@ -293,15 +293,7 @@ pub mod shapes {
         };
         let target_fields = [
             vec![("pose", Shape::pose()), ("velocity", Shape::twist())],
-            scalars(&[
-                "tangential",
-                "alpha",
-                "beta",
-                "compliance",
-                "restitution",
-                "weight",
-                "friction",
-            ]),
+            scalars(&["tangential", "alpha", "beta", "compliance", "restitution", "weight"]),
         ];
         let target = Shape::Record(Record::Plain("ContactTarget"), target_fields.concat());
         let mut fields = scalars(&["alpha", "beta", "tolerance", "rounding"]);
@@ -399,7 +391,6 @@ mod tests {
                 "compliance" => scalar(parsed_target.compliance),
                 "restitution" => scalar(parsed_target.restitution),
                 "weight" => scalar(parsed_target.weight),
-                "friction" => scalar(parsed_target.friction),
                 _ => panic!("{name}"),
             };
             assert_eq!(*shape, expected, "{name}");

@@ -684,7 +684,6 @@ fn set_settings(random: &mut Random, numbers: &mut [f64]) {
         target.compliance = random.between(0.0, 1.0);
         target.restitution = random.between(0.0, 1.0);
         target.weight = random.between(0.1, 1.0);
-        target.friction = random.between(0.0, 1.0);
         numbers.copy_from_slice(&target.numbers());
     }
 }

@@ -174,7 +174,6 @@ fn settings<const N: usize>() -> ConstraintSettings<f64, [ContactTarget<f64>; N]
         compliance: 0.02 * (1 + k) as f64,
         restitution: 0.3,
         weight: 1.0 + 0.5 * k as f64,
-        friction: 0.7,
     };
     let contacts = std::array::from_fn(target);
     ConstraintSettings { alpha: 3.0, beta: 4.0, tolerance: 1e-7, rounding: 1e-7, contacts }

@@ -1,9 +1,9 @@
 //! A quadruped that stands, one that trots, and a humanoid that stands.
 
-use modyn::ContactTarget;
-use modyn::simulate::{Ground, State};
+use modyn::simulate::State;
+use modyn::{ContactSurface, StepSettings};
 
-use super::{GRAVITY, Quadruped, STEP, heights, lowest, on, rotation};
+use super::{GRAVITY, Quadruped, STEP, Settings, heights, lowest, rotation};
 
 // G1's numbers. Each sole has the four points at which Unitree's description of G1 has spheres.
 modyn::modyn! {
@@ -18,7 +18,7 @@ modyn::modyn! {
         potential_energy,
         integrate,
         difference,
-        contact_problem,
+        step,
         constraint_residual,
     ],
     contacts = [
@@ -41,7 +41,7 @@ pub fn posture() -> [f64; 19] {
         q[7 + 3 * leg + 1] = bend;
         q[7 + 3 * leg + 2] = -2.0 * bend;
     }
-    q[2] = 0.02 - lowest(&State::<Quadruped>::at_rest(q), &on(ContactTarget::<f64>::GROUND));
+    q[2] = 0.02 - lowest(&State::<Quadruped>::at_rest(q));
     q
 }
 
@@ -65,18 +65,18 @@ fn tilt(q: &[f64]) -> f64 {
 fn a_quadruped_stands() {
     let posture = posture();
     let mut state = State::<Quadruped>::at_rest(posture);
-    let (settings, ground) = (on(ContactTarget::<f64>::GROUND), Ground::default());
+    let settings = StepSettings::<f64, [ContactSurface<f64>; 4]>::DEFAULT;
     let (mut carried, mut deepest) = (0.0, 0.0_f64);
     for _ in 0..600 {
-        let step = state.step_on_ground(0.002, &hold_legs(&state, &posture), &ground, &settings);
+        let step = state.step(0.002, &hold_legs(&state, &posture), &settings);
         (state, carried) = (step.state, step.forces.iter().map(|force| force[2]).sum());
-        deepest = deepest.min(lowest(&state, &settings));
+        deepest = deepest.min(lowest(&state));
     }
     let weight = Quadruped::gravity_torques(&Quadruped::NEUTRAL)[2];
     assert!((carried - weight).abs() < 1e-3 * weight, "{carried} N of {weight} N");
     assert!(state.qd.iter().all(|v| v.abs() < 1e-3), "{:?}", state.qd);
     assert!(deepest > -2e-3, "{deepest} m");
-    assert!(heights(&state, &settings).iter().all(|h| h.abs() < 1e-4));
+    assert!(heights(&state).iter().all(|h| h.abs() < 1e-4));
     assert!(
         state.q[2] > 0.2 && state.q[0].abs() < 0.05 && state.q[1].abs() < 0.05,
         "{:?}",
@@ -142,7 +142,7 @@ impl Trot {
         let mut q = Quadruped::NEUTRAL;
         q[3..7].copy_from_slice(&rotation([0.0, 0.0, 1.0], HEADING).1);
         q[7..].copy_from_slice(&self.angles(0.0));
-        q[2] = 0.005 - lowest(&State::<Quadruped>::at_rest(q), &on(ContactTarget::<f64>::GROUND));
+        q[2] = 0.005 - lowest(&State::<Quadruped>::at_rest(q));
         State::at_rest(q)
     }
 
@@ -167,9 +167,8 @@ fn energy(state: &State<Quadruped>) -> f64 {
 /// level, at its height. The ground takes energy and gives none.
 #[test]
 fn a_quadruped_trots() {
-    let settings = on(ContactTarget::<f64>::GROUND);
+    let settings = StepSettings::<f64, [ContactSurface<f64>; 4]>::DEFAULT;
     let mut state = TROT.start();
-    let ground = Ground::default();
     let start = energy(&state);
     let (mut deepest, mut steepest, mut work, mut swings) = (0.0_f64, 0.0_f64, 0.0, [0; 4]);
     let mut range = [f64::INFINITY, f64::NEG_INFINITY];
@@ -177,11 +176,11 @@ fn a_quadruped_trots() {
     for i in 0..steps {
         let time = f64::from(i) * STEP;
         let tau = TROT.torques(&state, time);
-        let step = state.step_on_ground(STEP, &tau, &ground, &settings);
+        let step = state.step(STEP, &tau, &settings);
         let power = |state: &State<Quadruped>| (6..18).map(|i| tau[i] * state.qd[i]).sum::<f64>();
         work += STEP * (power(&state) + power(&step.state)) / 2.0;
         state = step.state;
-        let above = heights(&state, &settings);
+        let above = heights(&state);
         deepest = above.into_iter().fold(deepest, f64::min);
         for (swings, above) in swings.iter_mut().zip(above) {
             *swings += usize::from(above > 0.01);
@@ -246,8 +245,7 @@ impl Upright {
             let bend = bends.iter().find(|(part, _)| joint.contains(part));
             posture[7 + i] = bend.map_or(0.0, |(_, angle)| *angle);
         }
-        let settings = on(ContactTarget::<f64>::GROUND);
-        posture[2] = 0.01 - lowest(&State::<Humanoid>::at_rest(posture), &settings);
+        posture[2] = 0.01 - lowest(&State::<Humanoid>::at_rest(posture));
         let mass = Humanoid::mass_matrix(&posture);
         let gains = core::array::from_fn(|i| match i {
             0..6 => [0.0; 2],
@@ -274,12 +272,12 @@ impl Upright {
 /// and a heading in general position. Its soles do not slip. Steps are 2 ms.
 #[test]
 fn a_humanoid_stands() {
-    let settings = on(ContactTarget::<f64>::GROUND);
+    let settings = StepSettings::<f64, [ContactSurface<f64>; 8]>::DEFAULT;
     let upright = Upright::new();
     let mut state = upright.start();
-    let ground = Ground::default();
     let places = |state: &State<Humanoid>| {
-        let found = Humanoid::constraint_residual(&state.q, &state.qd, &settings).displacements;
+        let found =
+            Humanoid::constraint_residual(&state.q, &state.qd, &Settings::DEFAULT).displacements;
         found.map(|place| place.linear)
     };
     let (mut deepest, mut steepest, mut landed) = (0.0_f64, 0.0_f64, None);
@@ -287,9 +285,9 @@ fn a_humanoid_stands() {
     let steps = 1000;
     for i in 0..steps {
         let tau = upright.torques(&state);
-        let step = state.step_on_ground(0.002, &tau, &ground, &settings);
+        let step = state.step(0.002, &tau, &settings);
         state = step.state;
-        deepest = deepest.min(lowest(&state, &settings));
+        deepest = deepest.min(lowest(&state));
         steepest = steepest.max(tilt(&state.q));
         if i == 100 {
             landed = Some(places(&state));
