@@ -10,7 +10,7 @@ use modyn::na::{DMatrix, DVector};
 use modyn::simulate::State;
 
 use crate::ilqr::{LinearStep, Problem, Solution, Step};
-use crate::problems::GROUND;
+use crate::problems::move_on_ground;
 use crate::robots::{Quadruped, QuadrupedContacts, Settings, TORQUE_LIMIT};
 use crate::tangent::{difference, matrix};
 
@@ -87,13 +87,12 @@ impl Jump {
     }
 }
 
-/// Returns the last state of a planned jump with its feedback, on ground that pushes and does not pull, and that lets feet
-/// slip and leave. The plan does not know this ground.
+/// Returns the last state of a planned jump with its feedback, on ground that the plan does not know.
 pub(crate) fn simulate(problem: &Jump, plan: &Solution<Quadruped>) -> State<Quadruped> {
     let mut x = problem.start;
     for (k, u) in plan.inputs.iter().enumerate() {
         let u = u + &plan.gains[k] * difference(&plan.states[k], &x);
-        x = x.step(problem.dt, &Jump::tau(&u), &GROUND).state;
+        x = move_on_ground(&x, problem.dt, &Jump::tau(&u)).state;
     }
     x
 }

@@ -101,7 +101,7 @@ fn sway() {
             Ok(found) => found,
             Err(status) => return eprintln!("no torques at {time} s: {status}"),
         };
-        state = state.step(dt, &found.tau, &problems::GROUND).state;
+        state = problems::move_on_ground(&state, dt, &found.tau).state;
         let error = rotation_first(&Quadruped::difference(&sway.at(time + dt).q, &state.q));
         if norm(&error) > norm(&worst) {
             worst = error;

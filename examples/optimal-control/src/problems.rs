@@ -1,7 +1,7 @@
 //! The problems that the program solves and the tests check.
 
 use modyn::na::DVector;
-use modyn::simulate::{Gains, Reference, State};
+use modyn::simulate::{Gains, Reference, SolvedStep, State};
 use modyn::{ContactSurface, StepSettings};
 
 use crate::jump::Jump;
@@ -90,14 +90,27 @@ pub(crate) fn displaced(regulator: &Regulator<Arm>) -> State<Arm> {
 pub(crate) const GAINS: Gains = Gains { stiffness: 400.0, damping: 40.0 };
 
 /// The ground of the simulation, nearly rigid.
-pub(crate) const GROUND: StepSettings<f64, [ContactSurface<f64>; 4]> = StepSettings {
+const GROUND: StepSettings<f64, [ContactSurface<f64>; 4]> = StepSettings {
     contacts: [ContactSurface {
-        solref: [0.004, 1.0],
+        solref: [0.001, 1.0],
         solimp: [0.99, 0.999, 0.0005, 0.5],
         ..ContactSurface::<f64>::GROUND
     }; 4],
     ..StepSettings::<f64, [ContactSurface<f64>; 4]>::DEFAULT
 };
+
+/// Returns the quadruped after `duration` (s) on the ground of the simulation, which pushes and does not pull, and lets
+/// feet slip and leave. The torques are constant; the steps of 0.5 ms suit the time constant of the contacts.
+pub(crate) fn move_on_ground(
+    state: &State<Quadruped>,
+    duration: f64,
+    tau: &[f64; 18],
+) -> SolvedStep<Quadruped> {
+    const STEP: f64 = 0.0005;
+    let steps = (duration / STEP).round() as usize;
+    let step = state.step(STEP, tau, &GROUND);
+    (1..steps).fold(step, |step, _| step.step(STEP, tau, &GROUND))
+}
 
 /// A periodic motion of the base in all six directions that starts from rest.
 pub(crate) struct Sway {
