@@ -1,9 +1,8 @@
 //! A quadruped that stands, one that trots, and a humanoid that stands.
 
 use modyn::simulate::State;
-use modyn::{ContactSurface, StepSettings};
 
-use super::{GRAVITY, Quadruped, STEP, Settings, heights, lowest, rotation};
+use super::{GRAVITY, Quadruped, STEP, Settings, heights, lowest, on_ground, rotation};
 
 // G1's numbers. Each sole has the four points at which Unitree's description of G1 has spheres.
 modyn::modyn! {
@@ -65,7 +64,7 @@ fn tilt(q: &[f64]) -> f64 {
 fn a_quadruped_stands() {
     let posture = posture();
     let mut state = State::<Quadruped>::at_rest(posture);
-    let settings = StepSettings::<f64, [ContactSurface<f64>; 4]>::DEFAULT;
+    let settings = on_ground();
     let (mut carried, mut deepest) = (0.0, 0.0_f64);
     for _ in 0..600 {
         let step = state.step(0.002, &hold_legs(&state, &posture), &settings);
@@ -74,7 +73,8 @@ fn a_quadruped_stands() {
     }
     let weight = Quadruped::gravity_torques(&Quadruped::NEUTRAL)[2];
     assert!((carried - weight).abs() < 1e-3 * weight, "{carried} N of {weight} N");
-    assert!(state.qd.iter().all(|v| v.abs() < 1e-3), "{:?}", state.qd);
+    // Soft contacts creep.
+    assert!(state.qd.iter().all(|v| v.abs() < 5e-3), "{:?}", state.qd);
     assert!(deepest > -2e-3, "{deepest} m");
     assert!(heights(&state).iter().all(|h| h.abs() < 1e-4));
     assert!(
@@ -167,7 +167,7 @@ fn energy(state: &State<Quadruped>) -> f64 {
 /// level, at its height. The ground takes energy and gives none.
 #[test]
 fn a_quadruped_trots() {
-    let settings = StepSettings::<f64, [ContactSurface<f64>; 4]>::DEFAULT;
+    let settings = on_ground();
     let mut state = TROT.start();
     let start = energy(&state);
     let (mut deepest, mut steepest, mut work, mut swings) = (0.0_f64, 0.0_f64, 0.0, [0; 4]);
@@ -272,7 +272,13 @@ impl Upright {
 /// and a heading in general position. Its soles do not slip. Steps are 2 ms.
 #[test]
 fn a_humanoid_stands() {
-    let settings = StepSettings::<f64, [ContactSurface<f64>; 8]>::DEFAULT;
+    // Without optimisation, the function `step` of a humanoid needs more than the 2 MiB of a test's stack.
+    let stands = std::thread::Builder::new().stack_size(8 << 20).spawn(stand_after_a_push);
+    stands.expect("a thread").join().expect("it stands");
+}
+
+fn stand_after_a_push() {
+    let settings = on_ground();
     let upright = Upright::new();
     let mut state = upright.start();
     let places = |state: &State<Humanoid>| {

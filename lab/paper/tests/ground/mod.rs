@@ -4,7 +4,7 @@ mod legged;
 mod soft;
 
 use modyn::simulate::State;
-use modyn::{ConstraintSettings, ContactTarget, Robot};
+use modyn::{ConstraintSettings, ContactSurface, ContactTarget, Robot, StepSettings};
 
 // Solo12's numbers.
 modyn::modyn! {
@@ -21,6 +21,12 @@ modyn::modyn! {
 
 type Settings<const CONTACTS: usize = 4> = ConstraintSettings<f64, [ContactTarget<f64>; CONTACTS]>;
 
+/// A nearly rigid ground for steps of two milliseconds or less.
+const GROUND: ContactSurface<f64> = ContactSurface {
+    solref: [0.004, 1.0],
+    solimp: [0.99, 0.999, 0.0005, 0.5],
+    ..ContactSurface::<f64>::GROUND
+};
 const GRAVITY: f64 = 9.81;
 const STEP: f64 = 0.001;
 
@@ -31,6 +37,11 @@ fn rotation(axis: [f64; 3], angle: f64) -> ([[f64; 3]; 3], [f64; 4]) {
     let matrix = quaternion.to_rotation_matrix();
     let rows = core::array::from_fn(|i| core::array::from_fn(|j| matrix[(i, j)]));
     (rows, quaternion.coords.into())
+}
+
+/// Returns settings of steps with the ground under all contacts.
+fn on_ground<const CONTACTS: usize>() -> StepSettings<f64, [ContactSurface<f64>; CONTACTS]> {
+    StepSettings { contacts: [GROUND; CONTACTS], ..StepSettings::<f64, _>::DEFAULT }
 }
 
 /// Returns the heights of the contacts above the plane z = 0, m.
