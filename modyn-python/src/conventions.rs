@@ -1,7 +1,6 @@
 //! States of other libraries: modyn's conversions of one joint, for the joints of many states.
 
 use modyn_runtime::conventions::{mujoco, pinocchio};
-use modyn_runtime::{ContactTarget, SettingPlace, SettingRange};
 use numpy::PyReadonlyArrayDyn;
 use numpy::prelude::*;
 use pyo3::exceptions::PyValueError;
