@@ -124,7 +124,10 @@ fn a_quadruped_lands_and_stands() {
         ..RolloutOptions::default()
     };
     let rollout = Rollout::new(&gpu, &quadruped(), &options).expect("kernels");
-    assert_eq!(rollout.source().rollouts[0].settings, 4 + 4 * 25);
+    assert_eq!(
+        rollout.source().rollouts[0].settings,
+        ConstraintSettings::<f64>::COUNT + 4 * ContactTarget::<f64>::COUNT
+    );
     let goals = [0.05, 0.7, -1.45].repeat(4);
     // Three heights, and a tilt: some feet land before others.
     let start = |height: f64| {
@@ -158,7 +161,7 @@ fn a_quadruped_lands_and_stands() {
     // Settings of another length are refused, and the default ones are those of the interpreter.
     let short = RolloutArguments { settings: Some(&q), ..arguments };
     let error = rollout.run(&short).expect_err("too few").to_string();
-    assert!(error.contains("takes 104 numbers a state as `settings`, not 19"), "{error}");
+    assert!(error.contains("takes 100 numbers a state as `settings`, not 19"), "{error}");
     assert!(rollout.run(&RolloutArguments { settings: None, ..arguments }).is_ok());
 }
 

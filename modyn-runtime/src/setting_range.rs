@@ -307,7 +307,7 @@ mod tests {
     use super::{SettingPlace, TARGET, check_settings};
     use crate::{ConstraintSettings, ContactTarget};
 
-    const COUNT: usize = 4 + 2 * 25;
+    const COUNT: usize = 4 + 2 * 24;
 
     /// Returns the default settings of two contacts.
     fn numbers() -> [f64; COUNT] {

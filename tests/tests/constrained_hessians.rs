@@ -395,7 +395,7 @@ fn counts_are_as_frozen() {
         let found = optimize(tracer.constrained_forward_dynamics_hessian(&layout));
         // The gradient by reverse mode, then its changes by forward mode, by all entries of the coordinates.
         let variables = model.nq() + 2 * model.nv();
-        let inputs = variables + feet.len() + 4 + 25 * feet.len();
+        let inputs = variables + feet.len() + 4 + 24 * feet.len();
         let gradient = vjp(&value, inputs, 0..variables);
         let by_differentiation = (feet.len() == 1)
             .then(|| hessian(&gradient, inputs + value.outputs.len(), usize::MAX))

@@ -235,7 +235,7 @@ fn rollouts_that_hold_contacts() {
     let options = RolloutOptions { contacts: Some(proposed.into()), ..RolloutOptions::default() };
     let (source, _) = theirs.emit_rollouts(GpuLanguage::Cuda, &options).expect("good");
     let [rollout] = &*source.rollouts else { panic!("one kernel") };
-    assert_eq!((&*rollout.name, rollout.settings), ("theirs_rollout_constrained", 54));
+    assert_eq!((&*rollout.name, rollout.settings), ("theirs_rollout_constrained", 52));
     let quaternion = quaternion_of(&builder);
     let step = "static vector<double> settings;\nstatic unsigned current, held, released;\n\
         static void ours_step_constrained(const double *q, const double *qd, const double *tau, const double *dt, double *next)\n{\n\
