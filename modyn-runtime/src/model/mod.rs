@@ -15,6 +15,7 @@ mod keyframe;
 mod link;
 mod loop_constraint;
 mod modules;
+mod softness;
 mod spring;
 mod tendon;
 mod touching;
@@ -32,11 +33,12 @@ pub use link::{Frame, Link, longest_path};
 pub(crate) use loop_constraint::radius_of_gyration;
 pub use loop_constraint::{LoopConstraint, LoopConstraintEnd, LoopConstraintKind};
 pub use modules::{Module, ModuleError, ModuleTree};
+pub use softness::{Impedance, Softness};
 pub use spring::Spring;
 pub use tendon::{JointSum, SoftCoupling, SoftTendon, TendonSpring};
 pub use touching::{
-    Cone, ContactComponents, ContactShape, Impedance, JointReference, JointSoftness, LoopSoftness,
-    SoftConstraints, Softness, TouchingShape,
+    Cone, ContactComponents, ContactShape, JointReference, JointSoftness, LoopSoftness,
+    SoftConstraints, TouchingShape,
 };
 
 use alloc::{string::String, vec::Vec};

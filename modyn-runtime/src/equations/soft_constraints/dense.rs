@@ -3,8 +3,8 @@
 
 use alloc::{vec, vec::Vec};
 
+use super::input::StepInput;
 use super::responses::{Effect, ImplicitDamping};
-use super::rows::StepInput;
 use crate::Scalar;
 use crate::equations::dynamics::{inverse_dynamics, mass_matrix};
 use crate::equations::factorization::{UduLayout, factorize_matrix, solve};

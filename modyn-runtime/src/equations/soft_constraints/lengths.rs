@@ -2,7 +2,8 @@
 
 use alloc::vec::Vec;
 
-use super::rows::{StepInput, StopParameters};
+use super::input::StepInput;
+use super::stops::StopParameters;
 use crate::Scalar;
 use crate::model::Softness;
 

@@ -3,8 +3,9 @@
 
 use alloc::vec::Vec;
 
+use super::input::StepInput;
 use super::law::{RowState, SoftRow};
-use super::rows::{LoopParameters, StepInput};
+use super::rows::LoopParameters;
 use crate::Scalar;
 use crate::equations::State;
 use crate::equations::kinematics::kinematic_path::{self, OriginMotion};

@@ -18,6 +18,7 @@
 //! (`dense`).
 
 mod dense;
+mod input;
 mod law;
 mod lengths;
 mod loops;
@@ -27,13 +28,14 @@ mod responses;
 mod rows;
 mod shapes;
 mod single_rows;
+mod stops;
 mod touching_points;
 
+pub use input::StepInput;
 pub use law::{ContactLaw, Response, RowState, SoftRow};
 pub use lengths::{CouplingParameters, Length, LengthTerm, SpringParameters, TendonParameters};
 pub use newton::{Advance, MAX_ITERATIONS, MAX_SEARCH, Progress, Search, SoftStep, soft_step};
 pub use problem::{Iterate, SoftMotion, StepProblem, moved};
-pub use rows::{
-    ContactParameters, JointParameters, LoopParameters, SoftModel, StepInput, StopParameters,
-};
+pub use rows::{ContactParameters, JointParameters, LoopParameters, SoftModel};
+pub use stops::StopParameters;
 pub use touching_points::{TouchingPoint, touching_points};

@@ -3,12 +3,11 @@
 use alloc::{vec, vec::Vec};
 
 use super::dense::DenseProblem;
+use super::input::StepInput;
 use super::lengths::RowEntry;
 use super::loops::LoopRows;
 use super::responses::{Effect, ImplicitDamping, Laws};
-use super::rows::{
-    BodyState, ContactOptions, ContactRows, SoftModel, StepInput, body_twists, softness,
-};
+use super::rows::{BodyState, ContactOptions, ContactRows, SoftModel, body_twists, softness};
 use super::single_rows::{SingleRow, single_rows};
 use crate::equations::Workspace;
 use crate::equations::dynamics::newton_euler::{Accelerations, link_wrenches};

@@ -3,9 +3,11 @@
 
 use alloc::{vec, vec::Vec};
 
+use super::input::StepInput;
 use super::law::RowState;
 use super::lengths::{CouplingParameters, LengthState, RowEntry};
-use super::rows::{SoftModel, StepInput, StopParameters};
+use super::rows::SoftModel;
+use super::stops::StopParameters;
 use crate::Scalar;
 use crate::scalar::{at_least, at_most};
 
