@@ -10,12 +10,12 @@ use crate::step_settings::{ContactSurface, StepSettings};
 /// ```
 /// use modyn_runtime::{ConstraintSettings, ContactTarget};
 ///
-/// let ice = ContactTarget { friction: -0.1, ..ContactTarget::<f64>::GROUND };
-/// let settings = ConstraintSettings::<f64, [_; 1]> { contacts: [ice], ..Default::default() };
-/// let error = settings.check().expect_err("friction is not negative");
+/// let soft = ContactTarget { compliance: -0.1, ..ContactTarget::<f64>::GROUND };
+/// let settings = ConstraintSettings::<f64, [_; 1]> { contacts: [soft], ..Default::default() };
+/// let error = settings.check().expect_err("compliance is not negative");
 /// assert_eq!(
 ///     error.to_string(),
-///     "`friction` of `settings.contacts[0]` is -0.1; expected a finite number that is not negative"
+///     "`compliance` of `settings.contacts[0]` is -0.1; expected a finite number that is not negative"
 /// );
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
