@@ -286,7 +286,7 @@ pub fn general_zoo(seed: u64, links: usize) -> Model {
 ///
 /// # Panics
 ///
-/// If the constraints are not those of a robot, which is a fault of this function.
+/// If the model refuses the tendons and couplings, which is a fault of this function.
 #[must_use]
 pub fn with_tendons(model: Model, seed: u64) -> Model {
     let mut random = Random::new(seed);

@@ -19,7 +19,8 @@ use super::limit::{MAX_NODES, MAX_OPERATIONS, RESULTS};
 /// have.
 const COUNTED_CONSTRAINTS: usize = 120;
 
-/// The number of entries of the factors of a mass matrix that may be equal: those of parallel joints.
+/// The largest number of equal entries in the factors of a mass matrix. Parallel joints have equal
+/// entries.
 const EQUAL_ENTRIES: usize = 4;
 
 /// The relative difference of two values that vary. A smaller one may be rounding.
@@ -28,8 +29,8 @@ const VARIES: f64 = 1e-6;
 impl PlanContext<'_> {
     /// Returns a number of operations that a function takes at least, without tracing it: some for
     /// its results, for the factors of the mass matrix if the function has a dense solution or
-    /// result, one for each ancestor of a link, and some for the elimination of constraint rows. A
-    /// step takes those of forward dynamics.
+    /// result, one for each ancestor of a link, and some for the elimination of constraint rows. The
+    /// function `step` takes at least the operations of forward dynamics.
     /// `usize::MAX` if its graph on scalars alone has too many nodes.
     pub(super) fn least_operations(&self, function: Function) -> usize {
         let row = function.row();

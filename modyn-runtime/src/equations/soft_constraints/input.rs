@@ -9,7 +9,7 @@ pub struct StepInput<'a, S> {
     pub qd: &'a [S],
     /// The joint forces, N m or N.
     pub tau: &'a [S],
-    /// The accelerations from which the solver starts, such as those of the last step.
+    /// The accelerations from which the solver starts: zeros, or the accelerations of the last step.
     pub warm_start: &'a [S],
     /// The time, s.
     pub dt: S,
