@@ -3,7 +3,8 @@
 //!
 //! `modyn::simulate::State::step` is the same step for generated robots.
 
-use modyn_runtime::equations::soft_constraints::{SoftModel, StepInput};
+use modyn_runtime::equations::TimeStepInput;
+use modyn_runtime::equations::soft_constraints::{SoftModel, StepInput, TouchingPoint};
 use modyn_runtime::joint::JointType;
 use modyn_runtime::model::{Impedance, Model, Softness};
 use modyn_runtime::{ContactSurface, Interpreter, ShapeError, StepSettings, StepSolutionOutputs};
@@ -83,19 +84,6 @@ pub struct ContactSteps {
     efforts: Vec<(usize, f64)>,
     /// The accelerations of the last step, from which the solver starts.
     qdd: Vec<f64>,
-}
-
-/// A state, joint forces, and the time of a step.
-#[derive(Clone, Copy)]
-pub struct Start<'a> {
-    /// The coordinates.
-    pub q: &'a [f64],
-    /// The velocities.
-    pub qd: &'a [f64],
-    /// The joint forces, N m or N.
-    pub tau: &'a [f64],
-    /// The time, s.
-    pub dt: f64,
 }
 
 /// The state after a step, and the forces in it.
@@ -191,7 +179,8 @@ impl ContactSteps {
     /// # Errors
     ///
     /// If a length is not the model's.
-    pub fn step(&mut self, Start { q, qd, tau, dt }: Start<'_>) -> Result<Step, ShapeError> {
+    pub fn step(&mut self, input: TimeStepInput<'_, f64>) -> Result<Step, ShapeError> {
+        let TimeStepInput { q, qd, tau, dt } = input;
         let Self { interpreter, settings, qdd, .. } = self;
         let points = interpreter.touching_points(q, settings)?;
         let mut forces = vec![0.0; 3 * points.len()];
@@ -213,19 +202,13 @@ impl ContactSteps {
         let input = StepInput { q, qd, tau, warm_start: qdd, dt };
         interpreter.step(input, settings, outputs)?;
         qdd.copy_from_slice(&step.qdd);
-        let shapes = interpreter.model().touching_shapes();
-        // Each point has the plane of its shape.
-        let planes =
-            settings.contacts.iter().zip(&shapes).flat_map(|(surface, shape)| {
-                std::iter::repeat_n(surface.plane, shape.shape.points())
-            });
-        let forces = forces.as_chunks::<3>().0.iter().zip(planes);
-        let in_world = forces.map(|(force, plane)| plane.rotate(*force));
-        step.points = points
-            .into_iter()
-            .zip(in_world)
-            .map(|(point, force)| GroundPoint { place: point.place.0, force, gap: point.gap })
-            .collect();
+        let forces = points.into_iter().zip(forces.as_chunks::<3>().0);
+        let in_world = forces.map(|(TouchingPoint { shape, place, gap }, force)| GroundPoint {
+            place: place.0,
+            force: settings.contacts[shape].plane.rotate(*force),
+            gap,
+        });
+        step.points = in_world.collect();
         Ok(step)
     }
 }
@@ -262,16 +245,12 @@ fn move_to_ground(
     let settings = model.step_settings();
     let points = interpreter.touching_points(q, &settings)?;
     let shapes = model.touching_shapes();
-    // The link and the normal of each point's shape.
-    let carriers = shapes.iter().zip(&settings.contacts).flat_map(|(shape, surface)| {
-        let upwards = surface.plane.rotation[2][2];
-        std::iter::repeat_n((shape.end.frame, upwards), shape.shape.points())
+    // The frame of each point's link, and the height of the point.
+    let heights = points.iter().filter_map(|&TouchingPoint { shape, gap, .. }| {
+        let upwards = settings.contacts[shape].plane.rotation[2][2];
+        (upwards > LEVEL).then(|| (shapes[shape].end.frame, gap / upwards))
     });
-    let heights: Vec<(usize, f64)> = carriers
-        .zip(&points)
-        .filter(|((_, upwards), _)| *upwards > LEVEL)
-        .map(|((frame, upwards), point)| (frame, point.gap / upwards))
-        .collect();
+    let heights: Vec<(usize, f64)> = heights.collect();
     let base = |frame: usize| {
         let links = std::iter::successors(model.frames()[frame].link, |&i| model.links()[i].parent);
         links.last()

@@ -1,11 +1,12 @@
 //! The motion of a robot under gravity: steps of the interpreter.
 
 use modyn_cli::contact_steps::{
-    ContactSteps, Ground, GroundPoint, Limits, Options, Start, Step, lift_out_of_ground,
+    ContactSteps, Ground, GroundPoint, Limits, Options, Step, lift_out_of_ground,
 };
 use modyn_cli::loops::{OpenLoop, close_loops};
 use modyn_codegen::diagnostics::sanitize_for_display;
 use modyn_runtime::Interpreter;
+use modyn_runtime::equations::TimeStepInput;
 use modyn_runtime::model::Model;
 
 /// The choices of a motion.
@@ -75,7 +76,7 @@ impl Motion {
     /// If the motion leaves all bounds, which the message says.
     pub fn step(&mut self, dt: f64) -> Result<(), String> {
         let tau = vec![0.0; self.qd.len()];
-        let start = Start { q: &self.q, qd: &self.qd, tau: &tau, dt };
+        let start = TimeStepInput { q: &self.q, qd: &self.qd, tau: &tau, dt };
         let Step { q, qd, points, .. } =
             self.steps.step(start).map_err(|error| error.to_string())?;
         if !q.iter().chain(&qd).all(|x| x.is_finite()) {

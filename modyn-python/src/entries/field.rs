@@ -8,7 +8,6 @@ use std::ops::Range;
 use modyn_codegen::Function;
 use modyn_codegen::plan::{Derivative, DerivativeMode, EntryFunction};
 use modyn_runtime::simulate::HeightField;
-use modyn_runtime::spatial::{Matrix3, Vector3};
 use modyn_runtime::{ContactSurface, Pose, SettingError, StepSettings};
 use pyo3::prelude::*;
 
@@ -58,7 +57,7 @@ pub struct FieldStep<S: Number + 'static> {
     poses: &'static StateFunction<S>,
     field: HeightField<'static, S>,
     /// The centres of the shapes in the frames of their links.
-    centers: Vec<Vector3<S>>,
+    centers: Vec<[S; 3]>,
     derivative: Option<Derivative>,
 }
 
@@ -81,7 +80,7 @@ impl<S: Number> FieldStep<S> {
         // The code of a function is never dropped.
         let field = HeightField::new(origin, spacing, *columns, heights.leak())?;
         let shapes = robot.model().touching_shapes().into_iter();
-        let centers = shapes.map(|shape| Vector3(shape.end.pose.translation.map(S::from_f64)));
+        let centers = shapes.map(|shape| shape.end.pose.translation.map(S::from_f64));
         Ok(Self { step, poses, field, centers: centers.collect(), derivative })
     }
 
@@ -183,9 +182,10 @@ impl<S: Number> ReadyStep<'_, S> {
         for ((plane, &center), pose) in shapes {
             for lane in 0..lanes {
                 let number = |k: usize| pose[k * lanes + lane];
-                let rotation = [0, 3, 6].map(|row| [0, 1, 2].map(|k| number(row + k)));
-                let [x, y, _] = Matrix3(rotation).mul_vector(center).0;
-                let Pose { rotation, translation } = field.plane([x + number(9), y + number(10)]);
+                let [x, y, z, translation] =
+                    [0, 3, 6, 9].map(|row| [0, 1, 2].map(|k| number(row + k)));
+                let pose = Pose { rotation: [x, y, z], translation };
+                let Pose { rotation, translation } = field.plane_below(pose, center);
                 let entries = rotation.iter().flatten().chain(&translation);
                 for (&entry, k) in entries.zip(plane.clone()) {
                     numbers[(settings + k) * lanes + lane] = entry;

@@ -236,18 +236,8 @@ impl Robot {
         ground: Option<&Bound<'py, PyAny>>,
         trajectory: bool,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let given = [
-            Some(q),
-            Some(qd),
-            Some(controls),
-            Some(dt),
-            settings,
-            warm_start,
-            gains,
-            q_ref,
-            qd_ref,
-        ];
-        let arguments = named(slf.py(), &ROLLOUT_ARGUMENTS, &given)?;
+        let others = [settings, warm_start, gains, q_ref, qd_ref];
+        let arguments = rollout_arguments([q, qd, controls, dt], others)?;
         let rollout = slf.py().import("modyn._rollout")?.getattr("rollout")?;
         rollout.call1((slf, arguments, (step, ground), trajectory, cost))
     }
@@ -285,18 +275,8 @@ impl Robot {
         ground: Option<&Bound<'py, PyAny>>,
         trajectory: bool,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let given = [
-            Some(q),
-            Some(qd),
-            Some(controls),
-            Some(dt),
-            settings,
-            warm_start,
-            gains,
-            q_ref,
-            qd_ref,
-        ];
-        let arguments = named(slf.py(), &ROLLOUT_ARGUMENTS, &given)?;
+        let others = [settings, warm_start, gains, q_ref, qd_ref];
+        let arguments = rollout_arguments([q, qd, controls, dt], others)?;
         let vjp = slf.py().import("modyn._rollout")?.getattr("rollout_vjp")?;
         let weights = (q_weights, qd_weights, cost_weights);
         vjp.call1((slf, arguments, weights, (step, ground), trajectory, cost))
@@ -357,6 +337,16 @@ impl Robot {
 /// The names of the arguments of a rollout.
 const ROLLOUT_ARGUMENTS: [&str; 9] =
     ["q", "qd", "controls", "dt", "settings", "warm_start", "gains", "q_ref", "qd_ref"];
+
+/// Returns the arguments of a rollout by their names: the state, the controls and the time, then the
+/// settings, the warm start and the feedback.
+fn rollout_arguments<'py>(
+    required: [&Bound<'py, PyAny>; 4],
+    others: [Option<&Bound<'py, PyAny>>; 5],
+) -> PyResult<Bound<'py, PyDict>> {
+    let given: Vec<_> = required.into_iter().map(Some).chain(others).collect();
+    named(required[0].py(), &ROLLOUT_ARGUMENTS, &given)
+}
 
 /// Returns arguments by their names.
 fn named<'py>(

@@ -120,6 +120,14 @@ impl<'a, T: Scalar + Into<f64>> HeightField<'a, T> {
         Cell { first, part: bounded, slope }
     }
 
+    /// Returns the plane below a point of a link: `pose` is the link's pose, and `place` the point in
+    /// the link's axes, m.
+    #[must_use]
+    pub fn plane_below(&self, pose: Pose<T>, place: [T; 3]) -> Pose<T> {
+        let [x, y, _] = pose.rotate(place);
+        self.plane([x + pose.translation[0], y + pose.translation[1]])
+    }
+
     /// Returns `settings` with the plane below the centre of each shape that touches the ground, for a
     /// step from the coordinates `q` on.
     #[must_use]
@@ -133,9 +141,7 @@ impl<'a, T: Scalar + Into<f64>> HeightField<'a, T> {
         for (surface, ShapeCenter { link, place }) in
             settings.contacts.as_mut().iter_mut().zip(centers)
         {
-            let Pose { rotation, translation } = poses.as_ref()[*link];
-            let center = Matrix3(rotation).mul_vector(Vector3(place.map(T::from_f64)));
-            surface.plane = self.plane([center[0] + translation[0], center[1] + translation[1]]);
+            surface.plane = self.plane_below(poses.as_ref()[*link], place.map(T::from_f64));
         }
         settings
     }

@@ -1,7 +1,7 @@
 //! The equations of motion of a simulated robot, and one step of them.
 
 use modyn_runtime::equations::constraints::{ConstrainedOutputs, ProjectionOutputs};
-use modyn_runtime::equations::{self, ForwardInput};
+use modyn_runtime::equations::{self, ForwardInput, TimeStepInput};
 use modyn_runtime::model::{Friction, Model};
 use modyn_runtime::spatial::{Twist, Wrench};
 use modyn_runtime::{ConstraintSettings, ContactTarget, Interpreter, ShapeError};
@@ -10,7 +10,7 @@ use super::adaptive;
 use super::state::State;
 use super::torques::Torques;
 use crate::command::outcome::Failure;
-use crate::contact_steps::{ContactSteps, GroundPoint, Options, Start, Step};
+use crate::contact_steps::{ContactSteps, GroundPoint, Options, Step};
 use crate::loops::settings_of;
 
 /// The state of a robot at an instant, and its energies.
@@ -160,7 +160,7 @@ impl<'a> Dynamics<'a> {
         let State { q, qd, energy: [work, taken] } = state;
         let Some(steps) = &mut self.contact_steps else { return Ok(state.clone()) };
         let Step { q: next_q, qd: next_qd, qdd, points, residual } =
-            steps.step(Start { q, qd, tau: &self.tau, dt })?;
+            steps.step(TimeStepInput { q, qd, tau: &self.tau, dt })?;
         self.lowest = points.iter().map(|point| point.gap).fold(self.lowest, f64::min);
         self.residual = self.residual.max(residual);
         self.points = points;

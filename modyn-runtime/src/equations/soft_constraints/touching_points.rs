@@ -12,6 +12,8 @@ use crate::{ContactSurface, Scalar, StepSettings};
 /// A point of a shape that can touch the ground, at a state.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TouchingPoint<S> {
+    /// The index of the shape.
+    pub shape: usize,
     /// The place in the world, m: in the middle between the shape and the ground.
     pub place: Vector3<S>,
     /// The height of the shape above the ground at this point, m; negative in the ground.
@@ -32,11 +34,12 @@ pub fn touching_points<S: Scalar>(
     // The laws of the rows, which depend on the time, are not used.
     let options = ContactOptions { cone: soft.cone, ratio: settings.impratio, dt: S::one() };
     let shapes = soft.contacts.iter().zip(settings.contacts.as_ref());
-    let points = shapes.flat_map(|(parameters, surface)| {
+    let points = shapes.enumerate().flat_map(|(shape, (parameters, surface))| {
         let pose = poses[parameters.body];
         let state = BodyState { pose, velocity: Twist::zero(), fall: Vector3::zero() };
         let rows = ContactRows::of_shape(parameters, &state, surface, options).into_iter();
         rows.map(move |rows| TouchingPoint {
+            shape,
             place: Vector3(pose.translation) + Matrix3(pose.rotation).mul_vector(rows.place),
             gap: rows.gap,
         })
