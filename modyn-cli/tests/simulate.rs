@@ -387,8 +387,8 @@ fn a_scene_moves_on_its_floor() {
     std::fs::write(path("ball.xml"), SCENE).expect("written");
     let run =
         |more: &[&str]| modyn(&[&["simulate", &path("ball.xml"), "--time", "1"], more].concat());
-    let found = run(&["--csv", &path("ball.csv"), "--html", &path("ball.html")]);
-    assert_eq!(found.code, 0, "{}", found.err);
+    let motion = run(&["--csv", &path("ball.csv"), "--html", &path("ball.html")]);
+    assert_eq!(motion.code, 0, "{}", motion.err);
     let (head, rows) = table(&std::fs::read_to_string(path("ball.csv")).expect("a table"));
     let last = rows.last().expect("a row");
     // The ball rests on the floor, 0.2 m high, which gives way a little.
@@ -397,7 +397,7 @@ fn a_scene_moves_on_its_floor() {
     assert!(rows.iter().all(|row| row[column(&head, "hinge (rad)")].abs() < limit));
     assert!((rows[0][column(&head, "free.z (m)")] - 0.3).abs() < 1e-9, "{:?}", rows[0]);
     assert!(last[column(&head, "dissipated (J)")] > 0.05, "{last:?}");
-    assert!(found.err.contains("contacts, joint limits and friction take"), "{}", found.err);
+    assert!(motion.err.contains("contacts, joint limits and friction take"), "{}", motion.err);
     // The page has the ground, and the force where the ball touches it.
     let data = common::page_data(&std::fs::read_to_string(path("ball.html")).expect("a page"));
     assert_eq!(data["ground"].as_f64(), Some(0.2));

@@ -69,13 +69,10 @@ fn fixed_tendons_act_in_steps() {
         let (model, _) = read(all, &format!("<option><flag {flag}=\"disable\"/></option>"));
         let tendon = &model.soft_constraints().tendons[0];
         let acts = model.soft_constraints().joint_limits;
-        let found = (
-            tendon.range.filter(|_| acts),
-            tendon.dry_friction,
-            tendon.spring.stiffness,
-            tendon.spring.damping,
-        );
-        assert_eq!(found, (limits, friction, spring, damping), "{flag}");
+        assert_eq!(tendon.range.filter(|_| acts), limits, "{flag}");
+        assert_eq!(tendon.dry_friction, friction, "{flag}");
+        assert_eq!(tendon.spring.stiffness, spring, "{flag}");
+        assert_eq!(tendon.spring.damping, damping, "{flag}");
     }
     let still = ReadOptions { friction: Some(Friction::None), ..options.clone() };
     let reading = tied(&tendons(r#"frictionloss="1""#), &still).expect("no friction");
@@ -90,17 +87,19 @@ fn couplings_act_in_steps() {
     };
     let joint = |link, coefficient| TendonJoint { link, coefficient };
     let sum = |joints: &[TendonJoint], offset| JointSum { joints: joints.to_vec(), offset };
-    let found = read(r#"<joint joint1="c" joint2="a" polycoef="1 2 3" solref="0.1 1"/>"#);
-    let [coupling] = &found.model.soft_constraints().couplings[..] else { panic!("one coupling") };
+    let quadratic = read(r#"<joint joint1="c" joint2="a" polycoef="1 2 3" solref="0.1 1"/>"#);
+    let [coupling] = &quadratic.model.soft_constraints().couplings[..] else {
+        panic!("one coupling")
+    };
     assert_eq!(coupling.sums, [sum(&[joint(2, 1.0)], 0.0), sum(&[joint(0, 1.0)], -0.25)]);
     assert_eq!(coupling.polynomial, [1.0, 2.0, 3.0, 0.0, 0.0]);
     assert_eq!(coupling.softness.reference, [0.1, 1.0]);
-    assert!(found.warnings.len() == 1 && found.warnings[0].message.contains("`step` only"));
-    assert_eq!(found.model.nv(), 6);
-    let found =
-        read(r#"<tendon tendon1="t" tendon2="u" polycoef="0 1 1"/>"#.replace('u', "t").as_str());
+    assert!(quadratic.warnings.len() == 1 && quadratic.warnings[0].message.contains("`step` only"));
+    assert_eq!(quadratic.model.nv(), 6);
+    let same_tendon_twice = read(r#"<tendon tendon1="t" tendon2="t" polycoef="0 1 1"/>"#);
     let both = sum(&[joint(0, 2.0), joint(1, -1.0)], -0.5 + 0.5);
-    assert_eq!(found.model.soft_constraints().couplings[0].sums, [both.clone(), both]);
+    let couplings = &same_tendon_twice.model.soft_constraints().couplings;
+    assert_eq!(couplings[0].sums, [both.clone(), both]);
 }
 
 #[test]

@@ -51,8 +51,8 @@ where
         + modyn::functions::ConstraintResidual,
 {
     let settings = Settings::DEFAULT;
-    let found = R::constraint_residual(&state.q, &state.qd, &settings).displacements;
-    core::array::from_fn(|k| found.as_ref()[k].linear[2])
+    let displacements = R::constraint_residual(&state.q, &state.qd, &settings).displacements;
+    core::array::from_fn(|k| displacements.as_ref()[k].linear[2])
 }
 
 /// Returns the height of the lowest contact above the plane z = 0, m.
