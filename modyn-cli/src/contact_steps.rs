@@ -246,11 +246,11 @@ fn move_to_ground(
     let points = interpreter.touching_points(q, &settings)?;
     let shapes = model.touching_shapes();
     // The frame of each point's link, and the height of the point.
-    let heights = points.iter().filter_map(|&TouchingPoint { shape, gap, .. }| {
+    let height_of = |&TouchingPoint { shape, gap, .. }: &TouchingPoint<f64>| {
         let upwards = settings.contacts[shape].plane.rotation[2][2];
         (upwards > LEVEL).then(|| (shapes[shape].end.frame, gap / upwards))
-    });
-    let heights: Vec<(usize, f64)> = heights.collect();
+    };
+    let heights: Vec<(usize, f64)> = points.iter().filter_map(height_of).collect();
     let base = |frame: usize| {
         let links = std::iter::successors(model.frames()[frame].link, |&i| model.links()[i].parent);
         links.last()
