@@ -199,3 +199,25 @@ fn integrators_with_other_steps_are_said() {
     };
     assert_eq!([body(""), body("<joint/>")], [1, 0]);
 }
+
+/// Options of MuJoCo's solver that lead to other steps have a warning each, where they have an effect.
+#[test]
+fn options_with_other_steps_are_said() {
+    let warnings = |option: &str| -> Vec<String> {
+        let reading = tied(option, &ReadOptions::default()).expect(option);
+        reading.warnings.into_iter().map(|warning| warning.message).collect()
+    };
+    for (option, name) in [
+        (r#"<option noslip_iterations="4"/>"#, "noslip_iterations"),
+        (r#"<option><flag eulerdamp="disable"/></option>"#, "eulerdamp"),
+        (r#"<option><flag refsafe="disable"/></option>"#, "refsafe"),
+        (r#"<option><flag diagexact="enable"/></option>"#, "diagexact"),
+        (r#"<option><flag ipc="enable"/></option>"#, "ipc"),
+    ] {
+        let expected = format!("`{name}` changes the steps of MuJoCo, and not `step`");
+        assert_eq!(warnings(option), [expected], "{option}");
+    }
+    let flags = r#"eulerdamp="enable" refsafe="enable" diagexact="disable" ipc="disable""#;
+    let none = format!("<option noslip_iterations=\"0\"><flag {flags}/></option>");
+    assert_eq!(warnings(&none), [""; 0]);
+}

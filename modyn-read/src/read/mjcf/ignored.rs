@@ -19,6 +19,8 @@ pub struct Ignored {
     pub powers: Vec<Place>,
     /// The integrator, if it is another one than that of `step`.
     pub integrators: Vec<Place>,
+    /// Options of the solver, by their names.
+    pub options: BTreeMap<String, Vec<Place>>,
     /// Tendons with limits that do not act in steps.
     pub tendons: Vec<Place>,
     /// Couplings of joints and tendons that act in steps only.
@@ -35,6 +37,7 @@ impl Ignored {
             anisotropic,
             powers,
             integrators,
+            options,
             tendons,
             couplings,
         } = self;
@@ -80,6 +83,10 @@ impl Ignored {
              `step` only: in all other functions its joints move freely",
             "couple two joints linearly, for all functions; or write `active=\"false\"`, for no function",
         );
+        for (option, places) in options {
+            let message = format!("`{option}` changes the steps of MuJoCo, and not `step`");
+            warn(places, &message, "leave it out to compare with MuJoCo");
+        }
         for (why, places) in untouched {
             let message = format!("a geom does not touch the ground in `step`: {why}");
             let help = "give the body a geom of another type for its contacts";

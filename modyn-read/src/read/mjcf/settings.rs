@@ -49,9 +49,16 @@ pub struct Settings<'e> {
     pub limits: bool,
     /// The integrator, and the place of its name; `None`: MuJoCo's default, `Euler`.
     pub integrator: Option<&'e Attribute>,
+    /// The options that change MuJoCo's steps, and have no effect in `step`.
+    pub ignored: Vec<&'e Attribute>,
     /// What replaces the parameters of all contacts.
     pub overriding: Option<ContactOverride>,
 }
+
+/// The switches that change MuJoCo's steps and have no effect in `step`, each with its position in
+/// which it does.
+const IGNORED_SWITCHES: [(&str, &str); 4] =
+    [("eulerdamp", "disable"), ("refsafe", "disable"), ("diagexact", "enable"), ("ipc", "enable")];
 
 /// The parameters that all contacts have instead of their own, in the order of their attributes.
 #[derive(Clone, Copy)]
@@ -117,9 +124,14 @@ impl<'e> Settings<'e> {
         let flag = |name| text(name).map(|value| value == "true");
         let switch = |name| {
             let flags = root.in_sections("option").filter(|child| child.name == "flag");
-            flags.filter_map(|flag| flag.text(name)).last()
+            flags.filter_map(|flag| flag.attribute(name)).last()
         };
-        let disabled = |name| switch(name) == Some("disable");
+        let is_set = |name, position| switch(name).is_some_and(|flag| flag.value == position);
+        let disabled = |name| is_set(name, "disable");
+        let noslip = last("option", "noslip_iterations")
+            .filter(|attribute| numbers(&attribute.value).is_some_and(|[count]| count > 0.0));
+        let switches = IGNORED_SWITCHES.iter();
+        let ignored = switches.filter(|(name, position)| is_set(name, position));
         let option = |name| last("option", name).map(|attribute| attribute.value.as_str());
         let impratio = option("impratio").and_then(numbers).map(|[ratio]| ratio);
         if let Some(ratio) = impratio.filter(|ratio| *ratio <= 0.0) {
@@ -185,7 +197,11 @@ impl<'e> Settings<'e> {
             contacts: !disabled("contact") && !disabled("constraint"),
             limits: !disabled("limit") && !disabled("constraint"),
             integrator: last("option", "integrator"),
-            overriding: (switch("override") == Some("enable"))
+            ignored: noslip
+                .into_iter()
+                .chain(ignored.filter_map(|(name, _)| switch(name)))
+                .collect(),
+            overriding: is_set("override", "enable")
                 .then(|| ContactOverride::read(|name| option(name).and_then(list))),
         }
     }

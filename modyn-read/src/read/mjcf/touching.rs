@@ -107,6 +107,10 @@ impl<'e> Bodies<'e, '_, '_> {
             integrator.filter(|attribute| self.differs_from_euler(&attribute.value, &soft));
         self.ignored.integrators =
             integrator.iter().map(|attribute| (Some(attribute.at), None)).collect();
+        for option in &self.models[0].settings.ignored {
+            let places = self.ignored.options.entry(option.name.clone()).or_default();
+            places.push((Some(option.at), None));
+        }
         std::mem::take(&mut self.ignored).report(self.report);
         self.description.soft = Some(soft);
     }
