@@ -4,6 +4,7 @@ use modyn_codegen::Planning;
 use modyn_codegen::plan::{Frames, Kernels, Plan, Planned, Shape};
 use modyn_codegen::program::Program;
 
+use crate::call::MAX_GIVEN;
 use crate::code_size::CodeSize;
 use crate::error::CompileError;
 use crate::function::{CompiledFunction, CompiledKernels, Kernel};
@@ -77,7 +78,12 @@ impl<S: Real> Assembly<S> {
     pub fn functions(&mut self, plan: &Plan) -> Result<Vec<CompiledFunction>, CompileError> {
         for planned in &plan.functions {
             let arrays = planned.arguments.len() + usize::from(planned.parameters > 0);
-            if arrays > MAX_ARRAYS {
+            // The arguments of a program with loops become one array.
+            let is_looped = matches!(
+                &planned.kernels,
+                Kernels::Straight { scalar, .. } if scalar.loops().next().is_some()
+            );
+            if arrays > if is_looped { MAX_GIVEN } else { MAX_ARRAYS } {
                 return Err(CompileError::Arguments { function: planned.name, arrays });
             }
         }
@@ -93,7 +99,7 @@ impl<S: Real> Assembly<S> {
         let placed = [&*arrays, &[Frames::PLACEMENT]].concat();
         let kernels = match &planned.kernels {
             Kernels::Straight { scalar, simd } => match scalar.around_loops() {
-                Some(_) => self.looped(scalar, simd.as_ref(), &arrays, &mut size),
+                Some(_) => self.looped(scalar, simd.as_ref(), arrays.iter().sum(), &mut size),
                 None => CompiledKernels::One(kernel(scalar, simd.as_ref(), &arrays)),
             },
             Kernels::ByLink(programs) => {
@@ -127,17 +133,19 @@ impl<S: Real> Assembly<S> {
         &mut self,
         scalar: &Program,
         simd: Option<&Program>,
-        arrays: &[usize],
+        arguments: usize,
         size: &mut CodeSize,
     ) -> CompiledKernels {
         let simd = simd.filter(|_| self.instruction_set.packs(size_of::<S>()));
-        let single = LoopedCode::new(simd.unwrap_or(scalar), arrays, |program, arrays| {
-            let (code, bytes) = self.append(program, arrays, false);
+        let single = LoopedCode::new(simd.unwrap_or(scalar), arguments, |program, length| {
+            let (code, bytes) = self.append(program, &[length], false);
             *size += bytes;
             code
         });
         let batch = self.batches.then(|| {
-            LoopedCode::new(scalar, arrays, |program, arrays| self.append(program, arrays, true).0)
+            LoopedCode::new(scalar, arguments, |program, length| {
+                self.append(program, &[length], true).0
+            })
         });
         CompiledKernels::Looped { single: Box::new(single), batch: batch.map(Box::new) }
     }

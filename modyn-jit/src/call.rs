@@ -8,9 +8,11 @@ use modyn_codegen::plan::{LinkProgram, Shape};
 use crate::code_size::CodeSize;
 use crate::error::CallError;
 use crate::function::{CompiledFunction, CompiledKernels};
-use crate::generate::MAX_ARRAYS;
 use crate::machine::Pages;
 use crate::real::Real;
+
+/// The largest number of arrays of a call: of the arguments and the run-time parameters.
+pub(crate) const MAX_GIVEN: usize = 16;
 
 /// A function of a robot, ready to be called.
 #[derive(Clone, Copy)]
@@ -191,7 +193,7 @@ impl<S: Real> Call<'_, S> {
     /// Runs the code on checked arguments, with this number of states at a time.
     fn run(&self, link: Option<usize>, arguments: &[&[S]], result: &mut [S], lanes: usize) {
         let parameters = self.compiled.has_parameters.then(|| spread(self.parameters, lanes));
-        let mut all: [&[S]; MAX_ARRAYS] = [&[]; MAX_ARRAYS];
+        let mut all: [&[S]; MAX_GIVEN] = [&[]; MAX_GIVEN];
         let given = arguments.iter().copied().chain(parameters.as_deref());
         let count = all.iter_mut().zip(given).map(|(array, given)| *array = given).count();
         match &self.compiled.kernels {

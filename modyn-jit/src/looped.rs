@@ -1,10 +1,20 @@
 //! Programs with loops, whose iterations call machine code: the solver of a step.
 //!
 //! What runs before the loops, each routine, and what runs after them are functions of machine
-//! code. The loops themselves run here, over arrays. In a batch the lanes of each number are
-//! states. A state whose loop has ended keeps its numbers while others go on.
+//! code. The loops themselves run here. In a batch the lanes of each number are states. A state
+//! whose loop has ended keeps its numbers while others go on.
+//!
+//! All numbers of a call are in one memory, which is the argument of each function:
+//!
+//! ```text
+//! arguments | results of `before` | arrays of the loops
+//! ```
+//!
+//! An array that no routine writes is read where `before` stores it.
 
-use modyn_codegen::program::{Call, Loop, Loops, Place, Program, Read, Step, Table};
+use std::collections::BTreeMap;
+
+use modyn_codegen::program::{Call, Entry, Loop, Loops, Place, Program, Read, Step, Table};
 
 use crate::machine::{Code, Pages};
 use crate::real::Real;
@@ -13,32 +23,26 @@ use crate::real::Real;
 pub(crate) struct LoopedCode {
     before: Code,
     after: Code,
-    /// The code of each routine, whose argument is one array.
+    /// The code of each routine.
     routines: Vec<Code>,
     plan: LoopPlan,
 }
 
-/// The loops, with copies of consecutive numbers.
-pub(crate) struct LoopPlan {
-    /// The start of each array in the memory of all arrays, and its end.
-    starts: Vec<usize>,
-    /// The copies of the results of `before` into arrays, and the number of these results.
+/// The loops, with the places of all numbers in the memory.
+struct LoopPlan {
+    layout: Layout,
+    /// The copies of the results of `before` into arrays that routines write.
     stored: Vec<Copied>,
-    stored_count: usize,
     steps: Vec<PlannedStep>,
-    /// The copies of arrays into an argument of `after`.
-    results: Vec<Copied>,
-    /// The lengths of the arrays of arguments.
-    arguments: Vec<usize>,
 }
 
+/// A call or a loop, with places in the memory.
 enum PlannedStep {
-    Call { routine: usize, reads: Vec<ReadCopy>, writes: Vec<Copied> },
+    Call { routine: usize, writes: Vec<Copied> },
     Loop { count: usize, end: Option<usize>, steps: Vec<PlannedStep> },
 }
 
-/// A copy of consecutive numbers, by indices in the memory of all arrays or in an array of a
-/// routine.
+/// A copy of consecutive numbers.
 #[derive(Clone, Copy, Debug)]
 struct Copied {
     from: usize,
@@ -46,94 +50,109 @@ struct Copied {
     count: usize,
 }
 
-/// A copy of consecutive numbers to the argument of a routine.
-#[derive(Clone, Copy, Debug)]
-struct ReadCopy {
-    source: Source,
-    copied: Copied,
+/// The places of numbers in the memory.
+struct Layout {
+    /// The length of the memory.
+    length: usize,
+    /// The first result of `before`: the number of the program's arguments.
+    before: usize,
+    /// The first number of the arrays.
+    arrays: usize,
+    /// The start of each array.
+    starts: Vec<usize>,
+    /// For each array that no routine writes, the places of its entries among the stored numbers.
+    unwritten: Vec<Option<BTreeMap<usize, usize>>>,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Source {
-    Arrays,
-    Argument(usize),
-}
-
-impl LoopPlan {
-    /// Returns the plan of loops. All places are fixed, as in the solver of a step.
-    pub fn new(program: &Program, loops: &Loops, arguments: &[usize]) -> Self {
-        let mut starts = vec![0];
-        for array in &loops.arrays {
-            starts.push(starts[starts.len() - 1] + array.len());
+impl Layout {
+    /// Returns the places of a program with so many arguments and results of `before`.
+    fn new(loops: &Loops, arguments: usize, results: usize) -> Self {
+        let mut is_written = vec![false; loops.arrays.len()];
+        note_writes(&loops.steps, &mut is_written);
+        let mut stored = vec![BTreeMap::new(); loops.arrays.len()];
+        for (k, number) in loops.stored.iter().enumerate() {
+            stored[number.entry.array].insert(number.entry.index, k);
         }
-        let mut planning = Planning { starts: &starts, arguments, tables: &program.tables };
-        let stored_entries = loops.stored.iter().enumerate();
-        let stored =
-            stored_entries.map(|(k, stored)| (k, starts[stored.entry.array] + stored.entry.index));
-        let entries = loops.results.iter().enumerate();
-        let results = entries.map(|(k, entry)| (starts[entry.array] + entry.index, k));
-        Self {
-            stored: runs(stored),
-            stored_count: loops.stored.len(),
-            results: runs(results),
-            steps: planning.steps(&loops.steps),
-            arguments: arguments.to_vec(),
-            starts,
+        let unwritten = loops.arrays.iter().zip(is_written).zip(stored);
+        let unwritten = unwritten.map(|((array, is_written), stored)| {
+            (!is_written && stored.len() == array.len()).then_some(stored)
+        });
+        let arrays = arguments + results;
+        let mut length = arrays;
+        let mut starts = Vec::new();
+        let unwritten: Vec<Option<BTreeMap<usize, usize>>> = unwritten.collect();
+        for (array, unwritten) in loops.arrays.iter().zip(&unwritten) {
+            starts.push(length);
+            length += if unwritten.is_some() { 0 } else { array.len() };
+        }
+        Self { length, before: arguments, arrays, starts, unwritten }
+    }
+
+    /// Returns the place of an entry of an array.
+    fn place(&self, entry: Entry) -> usize {
+        match &self.unwritten[entry.array] {
+            Some(stored) => self.before + stored[&entry.index],
+            None => self.starts[entry.array] + entry.index,
         }
     }
-}
 
-/// What the steps of a plan are made from.
-struct Planning<'a> {
-    starts: &'a [usize],
-    arguments: &'a [usize],
-    tables: &'a [Table],
-}
+    /// Returns the place of a number that a routine reads.
+    fn read(&self, read: Read) -> usize {
+        match read {
+            Read::Entry(array, place) => self.place(Entry { array, index: fixed(place) }),
+            Read::Argument(place) => fixed(place),
+        }
+    }
 
-impl Planning<'_> {
-    fn steps(&mut self, steps: &[Step]) -> Vec<PlannedStep> {
+    /// Returns the place of an argument of what runs after the loops.
+    fn after(&self, loops: &Loops, argument: usize) -> usize {
+        let Some(number) = argument.checked_sub(self.before) else { return argument };
+        match loops.results.get(number) {
+            Some(&entry) => self.place(entry),
+            None => self.before + loops.stored.len() + number - loops.results.len(),
+        }
+    }
+
+    /// Returns calls and loops with the places of what they write.
+    fn steps(&self, steps: &[Step], tables: &[Table]) -> Vec<PlannedStep> {
         let step = |step: &Step| match step {
-            Step::Call(call) => self.call(call),
+            Step::Call(call) => PlannedStep::Call {
+                routine: call.routine,
+                writes: runs(call.writes.iter().enumerate().map(|(from, write)| {
+                    assert!(!write.adds, "results of a solver replace numbers");
+                    (from, self.starts[write.array] + fixed(write.place))
+                })),
+            },
             Step::Loop(Loop { table, end, steps, .. }) => PlannedStep::Loop {
-                count: self.tables[*table].rows.len(),
-                end: end.map(|entry| self.starts[entry.array] + entry.index),
-                steps: self.steps(steps),
+                count: tables[*table].rows.len(),
+                end: end.map(|entry| self.place(entry)),
+                steps: self.steps(steps, tables),
             },
         };
         steps.iter().map(step).collect()
     }
+}
 
-    fn call(&self, call: &Call) -> PlannedStep {
-        let mut reads: Vec<ReadCopy> = Vec::new();
-        for (to, read) in call.reads.iter().enumerate() {
-            let (source, from) = match *read {
-                Read::Entry(array, place) => (Source::Arrays, self.starts[array] + fixed(place)),
-                Read::Argument(place) => self.argument(fixed(place)),
-            };
-            match reads.last_mut() {
-                Some(last)
-                    if last.source == source && last.copied.from + last.copied.count == from =>
-                {
-                    last.copied.count += 1;
-                }
-                _ => reads.push(ReadCopy { source, copied: Copied { from, to, count: 1 } }),
-            }
+/// Notes the arrays that steps write.
+fn note_writes(steps: &[Step], is_written: &mut [bool]) {
+    for step in steps {
+        match step {
+            Step::Call(call) => call.writes.iter().for_each(|write| is_written[write.array] = true),
+            Step::Loop(inner) => note_writes(&inner.steps, is_written),
         }
-        let writes = call.writes.iter().enumerate().map(|(from, write)| {
-            assert!(!write.adds, "results of a solver replace numbers");
-            (from, self.starts[write.array] + fixed(write.place))
-        });
-        PlannedStep::Call { routine: call.routine, reads, writes: runs(writes) }
     }
+}
 
-    fn argument(&self, mut number: usize) -> (Source, usize) {
-        for (array, &length) in self.arguments.iter().enumerate() {
-            if number < length {
-                return (Source::Argument(array), number);
+/// Returns the call of each routine. A routine has one call.
+fn calls<'a>(steps: &'a [Step], by_routine: &mut BTreeMap<usize, &'a Call>) {
+    for step in steps {
+        match step {
+            Step::Call(call) => {
+                let other = by_routine.insert(call.routine, call);
+                assert!(other.is_none(), "each routine of a solver has one call");
             }
-            number -= length;
+            Step::Loop(inner) => calls(&inner.steps, by_routine),
         }
-        unreachable!("an argument of the program")
     }
 }
 
@@ -158,58 +177,66 @@ fn runs(pairs: impl Iterator<Item = (usize, usize)>) -> Vec<Copied> {
 }
 
 impl LoopedCode {
-    /// Returns the code of a program with loops. `append` compiles a program with arguments in
-    /// arrays of these lengths.
+    /// Returns the code of a program with loops. `append` compiles a program whose arguments are
+    /// one array of this length.
     pub fn new(
         program: &Program,
-        arguments: &[usize],
-        mut append: impl FnMut(&Program, &[usize]) -> Code,
+        arguments: usize,
+        mut append: impl FnMut(&Program, usize) -> Code,
     ) -> Self {
         let parts = program.around_loops().expect("a program with loops");
-        let given: usize = arguments.iter().sum();
-        let after = [arguments, &[parts.after.arguments - given]].concat();
+        let loops = parts.loops;
+        let layout = Layout::new(loops, arguments, parts.before.results.len());
+        let mut by_routine = BTreeMap::new();
+        calls(&loops.steps, &mut by_routine);
+        let routines = program.routines.iter().enumerate().map(|(k, routine)| {
+            let reads = &by_routine[&k].reads;
+            let program = &routine.program;
+            append(
+                &program.with_arguments_at(layout.length, |n| layout.read(reads[n])),
+                layout.length,
+            )
+        });
+        let routines = routines.collect();
+        let after = parts.after.with_arguments_at(layout.length, |n| layout.after(loops, n));
+        let stored = loops.stored.iter().enumerate();
+        let stored = stored.filter(|(_, stored)| layout.unwritten[stored.entry.array].is_none());
+        let stored = stored.map(|(k, stored)| (layout.before + k, layout.place(stored.entry)));
         Self {
             before: append(&parts.before, arguments),
-            after: append(&parts.after, &after),
-            routines: program
-                .routines
-                .iter()
-                .map(|routine| append(&routine.program, &[routine.program.arguments]))
-                .collect(),
-            plan: LoopPlan::new(program, parts.loops, arguments),
+            after: append(&after, layout.length),
+            routines,
+            plan: LoopPlan {
+                stored: runs(stored),
+                steps: layout.steps(&loops.steps, &program.tables),
+                layout,
+            },
         }
     }
 
     /// Runs the code on checked arguments, with this number of states at a time.
     pub fn call<S: Real>(&self, pages: &Pages, arguments: &[&[S]], result: &mut [S], lanes: usize) {
-        let zero = S::default();
-        let plan = &self.plan;
-        let mut computed = vec![zero; self.before.results];
-        self.before.call(pages, arguments, &mut computed);
-        let count = plan.starts[plan.starts.len() - 1];
-        let mut run = Run {
-            code: self,
-            pages,
-            arguments,
-            lanes,
-            arrays: vec![zero; count * lanes],
-            reads: Vec::new(),
-            results: Vec::new(),
-            is_running: vec![true; lanes],
-        };
-        for stored in &plan.stored {
-            copy(*stored, lanes, &computed, &mut run.arrays);
-        }
-        run.steps(&plan.steps);
-        // The results of the loops, then what `before` has computed for `after`.
-        let mut given = vec![zero; self.after.arguments[plan.arguments.len()]];
-        for copied in &plan.results {
-            copy(*copied, lanes, &run.arrays, &mut given);
-        }
-        let crossing = &computed[plan.stored_count * lanes..];
-        let results = given.len() - crossing.len();
-        given[results..].copy_from_slice(crossing);
-        self.after.call(pages, &[arguments, &[&given[..]]].concat(), result);
+        let LoopPlan { layout, stored, steps } = &self.plan;
+        let routine_results = self.routines.iter().map(|code| code.results).max().unwrap_or(0);
+        let length = layout.length * lanes;
+        S::with_scratch(length + routine_results, |scratch| {
+            let (memory, results) = scratch.split_at_mut(length);
+            let (given, rest) = memory.split_at_mut(layout.before * lanes);
+            let mut left = &mut *given;
+            for argument in arguments {
+                let numbers;
+                (numbers, left) = left.split_at_mut(argument.len());
+                numbers.copy_from_slice(argument);
+            }
+            self.before.call(pages, &[given], rest);
+            memory[layout.arrays * lanes..].fill(S::default());
+            for Copied { from, to, count } in stored {
+                memory.copy_within(from * lanes..(from + count) * lanes, to * lanes);
+            }
+            let is_running = u32::MAX >> (u32::BITS as usize - lanes);
+            Run { code: self, pages, lanes, memory, results, is_running }.steps(steps);
+            self.after.call(pages, &[memory], result);
+        });
     }
 }
 
@@ -217,38 +244,33 @@ impl LoopedCode {
 struct Run<'a, S> {
     code: &'a LoopedCode,
     pages: &'a Pages,
-    arguments: &'a [&'a [S]],
     lanes: usize,
-    /// The numbers of all arrays.
-    arrays: Vec<S>,
-    /// The argument and the results of a routine.
-    reads: Vec<S>,
-    results: Vec<S>,
-    /// For each lane, whether no loop around the current step has ended.
-    is_running: Vec<bool>,
+    memory: &'a mut [S],
+    /// The results of a routine.
+    results: &'a mut [S],
+    /// A bit for each lane: whether no loop around the current step has ended.
+    is_running: u32,
 }
 
 impl<S: Real> Run<'_, S> {
     fn steps(&mut self, steps: &[PlannedStep]) {
         for step in steps {
             match step {
-                PlannedStep::Call { routine, reads, writes } => {
-                    self.routine(*routine, reads, writes);
-                }
+                PlannedStep::Call { routine, writes } => self.routine(*routine, writes),
                 PlannedStep::Loop { count, end, steps } => self.iterations(*count, *end, steps),
             }
         }
     }
 
     fn iterations(&mut self, count: usize, end: Option<usize>, steps: &[PlannedStep]) {
-        let outer = self.is_running.clone();
+        let outer = self.is_running;
         for _ in 0..count {
             if let Some(end) = end {
-                let ends = &self.arrays[end * self.lanes..][..self.lanes];
-                for (is_running, end) in self.is_running.iter_mut().zip(ends) {
-                    *is_running &= !end.is_known_nonnegative();
+                let ends = &self.memory[end * self.lanes..][..self.lanes];
+                for (lane, end) in ends.iter().enumerate() {
+                    self.is_running &= !(u32::from(end.is_known_nonnegative()) << lane);
                 }
-                if !self.is_running.contains(&true) {
+                if self.is_running == 0 {
                     break;
                 }
             }
@@ -257,39 +279,25 @@ impl<S: Real> Run<'_, S> {
         self.is_running = outer;
     }
 
-    fn routine(&mut self, routine: usize, reads: &[ReadCopy], writes: &[Copied]) {
-        let code = &self.code.routines[routine];
-        self.reads.resize(code.arguments[0], S::default());
-        self.results.resize(code.results, S::default());
-        for ReadCopy { source, copied } in reads {
-            let from = match source {
-                Source::Arrays => &self.arrays[..],
-                Source::Argument(array) => self.arguments[*array],
-            };
-            copy(*copied, self.lanes, from, &mut self.reads);
-        }
-        code.call(self.pages, &[&self.reads[..code.arguments[0]]], &mut self.results);
-        let is_whole = !self.is_running.contains(&false);
-        for copied in writes {
+    fn routine(&mut self, routine: usize, writes: &[Copied]) {
+        let lanes = self.lanes;
+        self.code.routines[routine].call(self.pages, &[self.memory], self.results);
+        let is_whole = self.is_running == u32::MAX >> (u32::BITS as usize - lanes);
+        for &Copied { from, to, count } in writes {
+            let length = count * lanes;
+            let from = &self.results[from * lanes..][..length];
+            let to = &mut self.memory[to * lanes..][..length];
             if is_whole {
-                copy(*copied, self.lanes, &self.results, &mut self.arrays);
+                to.copy_from_slice(from);
                 continue;
             }
-            let length = copied.count * self.lanes;
-            let from = &self.results[copied.from * self.lanes..][..length];
-            let to = &mut self.arrays[copied.to * self.lanes..][..length];
-            for (i, (to, from)) in to.iter_mut().zip(from).enumerate() {
-                if self.is_running[i % self.lanes] {
-                    *to = *from;
+            for (to, from) in to.chunks_exact_mut(lanes).zip(from.chunks_exact(lanes)) {
+                for (lane, (to, from)) in to.iter_mut().zip(from).enumerate() {
+                    if self.is_running >> lane & 1 == 1 {
+                        *to = *from;
+                    }
                 }
             }
         }
     }
-}
-
-/// Copies numbers, each with its lanes.
-fn copy<S: Real>(copied: Copied, lanes: usize, from: &[S], to: &mut [S]) {
-    let Copied { from: first, to: target, count } = copied;
-    let length = count * lanes;
-    to[target * lanes..][..length].copy_from_slice(&from[first * lanes..][..length]);
 }

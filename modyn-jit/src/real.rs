@@ -1,6 +1,8 @@
 //! The types of numbers for machine code.
 
+use std::cell::Cell;
 use std::fmt::{Debug, Display, LowerExp};
+use std::thread::LocalKey;
 
 use modyn_runtime::batch::Float;
 
@@ -13,6 +15,22 @@ pub trait Real: Float + PartialOrd + Default + Debug + Display + LowerExp + seal
     /// Returns whether the number is neither infinite nor NaN.
     #[doc(hidden)]
     fn has_value(self) -> bool;
+
+    /// Calls `work` with this many numbers, whose values are those that earlier calls have left.
+    #[doc(hidden)]
+    fn with_scratch(length: usize, work: impl FnOnce(&mut [Self]));
+}
+
+/// The memory of a thread for the numbers of a call.
+type Scratch<S> = LocalKey<Cell<Vec<S>>>;
+
+fn with_scratch<S: Real>(scratch: &'static Scratch<S>, length: usize, work: impl FnOnce(&mut [S])) {
+    let mut numbers = scratch.take();
+    if numbers.len() < length {
+        numbers.resize(length, S::default());
+    }
+    work(&mut numbers[..length]);
+    scratch.set(numbers);
 }
 
 mod sealed {
@@ -30,6 +48,11 @@ impl Real for f64 {
     fn has_value(self) -> bool {
         self.is_finite()
     }
+
+    fn with_scratch(length: usize, work: impl FnOnce(&mut [Self])) {
+        thread_local!(static SCRATCH: Cell<Vec<f64>> = const { Cell::new(Vec::new()) });
+        with_scratch(&SCRATCH, length, work);
+    }
 }
 
 impl Real for f32 {
@@ -39,5 +62,10 @@ impl Real for f32 {
 
     fn has_value(self) -> bool {
         self.is_finite()
+    }
+
+    fn with_scratch(length: usize, work: impl FnOnce(&mut [Self])) {
+        thread_local!(static SCRATCH: Cell<Vec<f32>> = const { Cell::new(Vec::new()) });
+        with_scratch(&SCRATCH, length, work);
     }
 }

@@ -71,6 +71,34 @@ impl Program {
     }
 }
 
+impl Program {
+    /// Returns the program among so many arguments, of which argument `n` is the one at `place(n)`.
+    ///
+    /// # Panics
+    ///
+    /// If the program has products, or if there are fewer arguments.
+    #[must_use]
+    pub fn with_arguments_at(&self, arguments: usize, place: impl Fn(usize) -> usize) -> Self {
+        assert!(self.products.is_none(), "products read their arguments by matrices");
+        let moved = |operand: Operand| match operand.source {
+            Source::Argument(number) => {
+                Operand { source: Source::Argument(place(number)), ..operand }
+            }
+            _ => operand,
+        };
+        let statements = self.statements.iter().map(|statement| Statement {
+            operation: statement.operation.map(moved),
+            ..without_last_use(statement)
+        });
+        let program = Self {
+            statements: statements.collect(),
+            results: self.results.iter().map(|&result| moved(result)).collect(),
+            ..Self::without_statements(self.execution, arguments)
+        };
+        program.finished().expect("the same program")
+    }
+}
+
 /// The parts of a program while values are passed from one to the other.
 struct Cut {
     before: Program,
