@@ -162,7 +162,7 @@ mod _modyn {
         mujoco_to_qvel, pinocchio_angle, pinocchio_cos_sin,
     };
     #[pymodule_export]
-    use super::entries::{call_arrays, rollout_code, xla_handler};
+    use super::entries::{CodeHandle, xla_handler};
     #[pymodule_export]
     use super::factorization::Factorization;
     #[cfg(feature = "gpu")]

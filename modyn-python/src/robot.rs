@@ -16,11 +16,13 @@ use modyn_runtime::{ContactSurface, Inertial, Interpreter};
 use numpy::prelude::*;
 use numpy::{PyArray1, PyArray2, PyArrayDescr};
 use pyo3::exceptions::{PyAttributeError, PyKeyError, PyTypeError, PyValueError};
+use pyo3::gc::{PyTraverseError, PyVisit};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString, PyTuple};
 
 use crate::arrays::{Given, in_order, tuple};
 use crate::change::Change;
+use crate::entries::CodeHandle;
 use crate::errors::{description_error, warn_of_description, warn_of_machine_code};
 use crate::function::{self, RobotFunction};
 use crate::number::Number;
@@ -51,8 +53,10 @@ pub struct Robot {
     bundles: Vec<(String, Bundle, Slot)>,
     changes: Mutex<Vec<Change>>,
     parameters: Parameters,
-    /// The keys of functions of arrays that are compiled.
-    array_keys: Mutex<Vec<(EntryFunction, i64)>>,
+    /// The functions of arrays that are compiled.
+    pub array_codes: Mutex<Vec<(EntryFunction, CodeHandle)>>,
+    /// What the package keeps of the robot: signatures and functions of arrays.
+    kept: Py<PyDict>,
 }
 
 /// The place of a function, which is compiled at its first use.
@@ -119,7 +123,8 @@ impl Robot {
             bundles: bundles.collect(),
             changes: Mutex::default(),
             parameters,
-            array_keys: Mutex::default(),
+            array_codes: Mutex::default(),
+            kept: PyDict::new(py).unbind(),
             modules,
             model,
         })
@@ -351,26 +356,6 @@ impl Robot {
         Ok(all.map(|(option, link, count)| (option, link, next(count))).collect())
     }
 
-    /// Returns the key of a function of arrays, which is compiled by `code` at its first use.
-    ///
-    /// # Errors
-    ///
-    /// Those of `code`.
-    pub fn array_key(
-        &self,
-        function: &EntryFunction,
-        code: impl FnOnce() -> PyResult<i64>,
-    ) -> PyResult<i64> {
-        let keys = || self.array_keys.lock().unwrap_or_else(PoisonError::into_inner);
-        let known = keys().iter().find(|(other, _)| other == function).map(|(_, key)| *key);
-        if let Some(key) = known {
-            return Ok(key);
-        }
-        let key = code()?;
-        keys().push((function.clone(), key));
-        Ok(key)
-    }
-
     /// Returns the bundles.
     #[cfg(feature = "gpu")]
     pub fn bundles(&self) -> impl Iterator<Item = &Bundle> {
@@ -430,6 +415,17 @@ impl Robot {
 
 #[pymethods]
 impl Robot {
+    /// What the package keeps of the robot: signatures and functions of arrays.
+    #[getter]
+    fn _kept<'py>(&self, py: Python<'py>) -> Bound<'py, PyDict> {
+        self.kept.bind(py).clone()
+    }
+
+    /// Shows Python's garbage collector what is kept, which refers to the robot.
+    fn __traverse__(&self, visit: PyVisit<'_>) -> Result<(), PyTraverseError> {
+        visit.call(&self.kept)
+    }
+
     /// The robot's name in its description.
     #[getter]
     fn name(&self) -> &str {

@@ -1,5 +1,6 @@
 """`modyn.jax`: values and derivatives of all functions under JAX's transformations, and what is refused."""
 
+import gc
 import importlib
 import subprocess
 import sys
@@ -425,13 +426,35 @@ state = np.load(folder / "state.npy")
 try:
     program.call(*state)
 except Exception as error:
-    print("load the robot and call `modyn.jax.function`" in str(error))
-modyn.jax.function(modyn.load(folder / "robot.urdf", base="fixed"), "forward_dynamics")
+    print("load the robot, call `modyn.jax.function`" in str(error))
+function = modyn.jax.function(modyn.load(folder / "robot.urdf", base="fixed"), "forward_dynamics")
 print(*program.call(*state).tolist())
 """
     refused, found = run(code, str(tmp_path)).splitlines()
     assert refused == "True"
     close([float(x) for x in found.split()], function(q, qd, tau), 0)
+
+
+def test_a_compiled_program_keeps_its_code():
+    """Code lives as long as a program of XLA that calls it, and no longer."""
+    own = robot("fixed")
+    q, qd, _, tau = (x[0] for x in states(own, 1))
+    function = modyn.jax.function(own, "coriolis_matrix")
+    expected = np.asarray(function(q, qd))
+    compiled = jax.jit(function).lower(q, qd).compile()
+    checks = [jax.export.DisabledSafetyCheck.custom_call("modyn")]
+    exported = jax.export.export(jax.jit(function), disabled_checks=checks)(q, qd)
+    exported = jax.export.deserialize(exported.serialize())
+    del own, function
+    jax.clear_caches()
+    gc.collect()
+    close(compiled(q, qd), expected, 0)
+    close(exported.call(q, qd), expected, 0)
+    del compiled
+    jax.clear_caches()
+    gc.collect()
+    with pytest.raises(Exception, match="has no function"):
+        exported.call(q, qd)
 
 
 def rolled(own, steps=5, n=3):

@@ -1,5 +1,8 @@
 """Rollouts in one call beside single steps, and their gradients beside differences."""
 
+import gc
+import weakref
+
 import numpy as np
 import pytest
 from conftest import chain, close, states
@@ -245,3 +248,15 @@ def test_refused():
         own.rollout("zero", qd, controls, 0.01)
     with pytest.raises(ValueError, match=r"`qd_weights` of `rollout_vjp` has the shape \(4,\); expected \(7, 4\)"):
         own.rollout_vjp(q, qd, controls, 0.01, np.zeros((7, 4)), np.zeros(4))
+
+
+def test_a_robot_is_freed_with_its_code():
+    """What a robot keeps refers to it, and is no reason to keep the robot."""
+    own = robot(contacts={"foot": ("point", "link3", (0.1, -0.2, 0.05))})
+    ground = modyn.HeightField(np.zeros((2, 2)), (-5, -5), (10, 10))
+    for field in (None, ground):
+        own.rollout(own.neutral(), np.zeros(own.nv), np.zeros((3, own.nv)), 1e-3, step="step", ground=field)
+    kept = weakref.ref(own._kept[("step", False, False)].handle), weakref.ref(own)
+    del own
+    gc.collect()
+    assert [one() for one in kept] == [None, None]

@@ -40,7 +40,7 @@ def test_each_function_of_the_table_is_a_method_with_a_stub():
 GPU = {"GpuArray", "GpuRobot", "GpuRollout"}
 
 
-@pytest.mark.parametrize("name", ["Robot", "Factorization", *(GPU & set(vars(_modyn)))])
+@pytest.mark.parametrize("name", ["Robot", "CodeHandle", "Factorization", *(GPU & set(vars(_modyn)))])
 def test_each_attribute_has_a_stub(name):
     inherited = set(dir(object)) | {"__module__", "__dir__", "__weakref__"}
     one = getattr(_modyn, name)

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ._modyn import Robot, functions, rollout_code
+from ._modyn import CodeHandle, Robot, functions
 from ._results import StepSolution
 from ._types import HeightField, QuadraticCost, RolloutCosts, RolloutStates
 
@@ -27,15 +27,16 @@ class Code:
     constant: int | None = None
     """the argument that has no derivatives: the one from which a solver, or the first solver of a rollout, starts"""
 
-    def __init__(self, name: str, code: tuple[int, list[list[int]], list[list[int]]]) -> None:
-        key, inputs, outputs = code
-        self.name = name
-        self.key: int = key
-        """the key of the code in this process"""
-        self.inputs: list[Shape] = [tuple(shape) for shape in inputs]
+    def __init__(self, name: str, handle: CodeHandle) -> None:
+        self.name, self.handle = name, handle
+        self.key: int = handle.key
+        """the key by which XLA finds the code"""
+        self.inputs: list[Shape] = handle.inputs
         """the shapes of the arguments for one state"""
-        self.outputs: list[Shape] = [tuple(shape) for shape in outputs]
+        self.outputs: list[Shape] = handle.outputs
         """the shapes of the results for one state"""
+        self.compiled: dict[Any, Any] = {}
+        """the programs of JAX that call the code at once"""
 
     def at_solution(self, arguments: Sequence[Any], results: Sequence[Any]) -> list[Any]:
         """Returns the arguments at which derivatives are taken: a solver starts from the accelerations of its solution."""
@@ -76,16 +77,27 @@ class ArrayFunction(Code):
         derivatives: tuple[Any, ...] = (),
         extras: Extras = Extras(),
     ) -> None:
-        key, inputs, outputs = robot._array_code(name, link, list(derivatives), extras.feedback, extras.cost)
+        handle = robot._array_code(name, link, list(derivatives), extras.feedback, extras.cost)
         if extras.ground is not None:
-            key = robot._field_code(key, derivatives[0] if derivatives else None, extras.ground._numbers())
-        super().__init__(name, (key, inputs, outputs))
+            handle = robot._field_code(handle, derivatives[0] if derivatives else None, *extras.ground._numbers())
+        super().__init__(name, handle)
         self.robot, self.link, self.derivatives, self.extras = robot, link, derivatives, extras
-        names = [argument for argument, _, _ in robot._array_signature(name, link)[0]]
+        names = Signature.of(robot, name, link).names
         self._solves = "warm_start" in names
         if self._solves and not derivatives:
             self.start = self.constant = names.index("warm_start")
         self._derived: dict[tuple[str, tuple[int, ...]], ArrayFunction] = {}
+        self._rollouts: dict[tuple[int, bool, tuple[int, ...]], Rollout] = {}
+
+    def rollout(self, steps: int, trajectory: bool, sequences: tuple[int, ...]) -> Rollout:
+        """Returns the rollout of this number of steps; `sequences` are the arguments with numbers for each step."""
+        at = (steps, trajectory, sequences)
+        found = self._rollouts.get(at)
+        if found is None:
+            if len(self._rollouts) >= MOST_ROLLOUTS:
+                self._rollouts.clear()
+            found = self._rollouts[at] = Rollout(self, steps, trajectory, sequences)
+        return found
 
     def derivative(self, mode: str, variables: Sequence[int]) -> ArrayFunction:
         """Returns the derivative with respect to these arguments.
@@ -118,6 +130,10 @@ class ArrayFunction(Code):
         return self.derivatives[-1][1] if self.derivatives else []
 
 
+MOST_ROLLOUTS = 64
+"""the rollouts that a step keeps, one for each number of steps"""
+
+
 class Rollout(Code):
     """A time step that is repeated: the results of all steps, or of the last one."""
 
@@ -127,7 +143,7 @@ class Rollout(Code):
         if step.extras.cost:
             self.state.append(2)
         self.roles = {"state": self.state, "start": step.start, "sequences": list(sequences)}
-        super().__init__(f"rollout of {step.name}", rollout_code(step.key, steps, trajectory, self.roles, None))
+        super().__init__(f"rollout of {step.name}", step.handle.rollout(steps, trajectory, self.roles))
         self.step, self.steps, self.trajectory, self.sequences = step, steps, trajectory, sequences
         self.constant = step.start
         self._gradients: dict[tuple[int, ...], RolloutGradient] = {}
@@ -152,8 +168,8 @@ class RolloutGradient(Code):
     def __init__(self, rollout: Rollout, variables: list[int]) -> None:
         carried = {k for k in rollout.state if k != rollout.step.start}
         step = rollout.step.derivative("reverse", sorted(carried | {*variables}))
-        code = rollout_code(rollout.step.key, rollout.steps, rollout.trajectory, rollout.roles, (step.key, variables))
-        super().__init__(rollout.name, code)
+        forward, reverse = rollout.step.handle, (step.handle, variables)
+        super().__init__(rollout.name, forward.rollout(rollout.steps, rollout.trajectory, rollout.roles, reverse))
         self.rollout, self.variables = rollout, variables
 
     def derivative(self, mode: str, variables: Sequence[int]) -> Any:
@@ -181,8 +197,29 @@ class RolloutSignature:
         if not isinstance(ground, HeightField | None):
             raise TypeError(f"`ground` must be a `modyn.HeightField`, not {type(ground).__name__}")
         self.robot, self.step, self.ground = robot, step if step == "step" else f"step_{step}", ground
-        self.parameters = Signature(robot, self.step, None)
+        self.parameters = Signature.of(robot, self.step)
         self.solves = "warm_start" in self.parameters.names
+        nq, nv = robot.nq, robot.nv
+        self.shapes: dict[str, Shape] = {"q": (nq,), "qd": (nv,), "cost": (), "controls": (nv,), "dt": ()}
+        """the shapes of the arguments for one state, in their order"""
+        if self.solves:
+            of_step = dict(zip(self.parameters.names, self.parameters.shapes))
+            self.shapes |= {name: of_step[name] for name in ("warm_start", "settings")}
+        self.shapes |= {"gains": (nv, 2 * nv), "q_ref": (nq,), "qd_ref": (nv,)}
+        self.shapes |= {"q_goal": (nq,), "qd_goal": (nv,), "state_weights": (2 * nv,), "control_weights": (nv,)}
+
+    @classmethod
+    def of(cls, robot: Robot, step: str, ground: HeightField | None = None) -> RolloutSignature:
+        """Returns the signature, which the robot keeps unless it has a ground or run-time parameters."""
+        if ground is not None:
+            return cls(robot, step, ground)
+        at = ("rollout", step)
+        found: RolloutSignature | None = robot._kept.get(at)
+        if found is None:
+            found = cls(robot, step)
+            if not found.parameters.parameters:
+                robot._kept[at] = found
+        return found
 
     def start(self, given: dict[str, Any], asarray: Callable[[Any], Any]) -> None:
         """Adds the defaults of the arguments that only `step` has."""
@@ -219,10 +256,9 @@ class RolloutSignature:
 
     def arrays(self, given: dict[str, Any]) -> tuple[list[Any], tuple[int, bool, bool, tuple[int, ...]]]:
         """Returns the arguments in the order of the step, without those that are `None`; and the arguments of `code`."""
-        nq, nv = self.robot.nq, self.robot.nv
         controls = given["controls"]
         if controls.ndim < 2:
-            shape = tuple(controls.shape)
+            shape, nv = tuple(controls.shape), self.robot.nv
             raise ValueError(f"`controls` of `rollout` has the shape {shape}; expected (steps, {nv}), or (..., steps, {nv})")
         missing = [name for name in FEEDBACK if given[name] is None]
         if len(missing) not in (0, 3):
@@ -231,11 +267,7 @@ class RolloutSignature:
         has_cost = "cost" in given
         if has_cost and self.solves:
             raise TypeError('`rollout` with `step="step"` has no cost: compute it from the states, and leave `cost` out')
-        one: dict[str, Shape] = {"q": (nq,), "qd": (nv,), "cost": (), "controls": (nv,), "dt": ()}
-        if self.solves:
-            one |= {name: self.parameters.shapes[self.parameters.names.index(name)] for name in ("warm_start", "settings")}
-        one |= {"gains": (nv, 2 * nv), "q_ref": (nq,), "qd_ref": (nv,)}
-        one |= {"q_goal": (nq,), "qd_goal": (nv,), "state_weights": (2 * nv,), "control_weights": (nv,)}
+        one = self.shapes
         left_out = (*missing, *(() if has_cost else ("cost", *COST)))
         names = [name for name in one if name not in left_out]
         sequences = ["controls"]
@@ -257,11 +289,17 @@ class RolloutSignature:
 
     def code(self, trajectory: bool, steps: int, feedback: bool, cost: bool, sequences: tuple[int, ...]) -> Rollout:
         """Returns the rollout of this number of steps."""
-        return Rollout(self.one_step(feedback, cost), steps, trajectory, sequences)
+        return self.one_step(feedback, cost).rollout(steps, trajectory, sequences)
 
     def one_step(self, feedback: bool = False, cost: bool = False) -> ArrayFunction:
-        """Returns the function of one step."""
-        return ArrayFunction(self.robot, self.step, extras=Extras(feedback, cost, self.ground))
+        """Returns the function of one step, which the robot keeps unless it has a ground."""
+        if self.ground is not None:
+            return ArrayFunction(self.robot, self.step, extras=Extras(feedback, cost, self.ground))
+        kept, at = self.robot._kept, (self.step, feedback, cost)
+        found: ArrayFunction | None = kept.get(at)
+        if found is None:
+            found = kept[at] = ArrayFunction(self.robot, self.step, extras=Extras(feedback, cost))
+        return found
 
 
 def motions(results: Sequence[Any]) -> Any:
@@ -296,6 +334,16 @@ class Signature:
         self.shapes: list[Shape] = [tuple(shape) for _, shape, _ in arguments]
         self.defaults = [default for _, _, default in arguments]
         self.parameters = [Parameter(option, link, np.array(numbers, robot.dtype)) for option, link, numbers in parameters]
+
+    @classmethod
+    def of(cls, robot: Robot, name: str, link: str | int | None = None) -> Signature:
+        """Returns the signature, which the robot keeps unless it has run-time parameters."""
+        found: Signature | None = robot._kept.get((name, link))
+        if found is None:
+            found = cls(robot, name, link)
+            if not found.parameters:
+                robot._kept[name, link] = found
+        return found
 
     @functools.cached_property
     def signature(self) -> inspect.Signature:
@@ -359,6 +407,8 @@ class Signature:
 
 def check(function: str, names: Sequence[str], shapes: Sequence[Shape], arrays: Sequence[Any]) -> None:
     """Checks the shapes of arguments, whose leading axes are those of states and are broadcast."""
+    if all(array.shape == own for own, array in zip(shapes, arrays)):
+        return
     leads = []
     for name, own, array in zip(names, shapes, arrays):
         shape = tuple(array.shape)

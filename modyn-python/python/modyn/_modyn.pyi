@@ -116,21 +116,6 @@ def functions() -> list[str]:
 def options_table() -> list[tuple[str, str, str, str]]:
     """Returns the names of the options of `load`, each with an example, its default and its documentation."""
 
-def call_arrays(key: int, arrays: Sequence[Array]) -> list[Array]:
-    """Calls the code with this key on arrays in C order, whose leading axes are those of states and are broadcast. Returns an
-    array for each result, with the same leading axes."""
-
-def rollout_code(
-    step: int,
-    steps: int,
-    trajectory: bool,
-    roles: Mapping[str, Any],
-    reverse: tuple[int, Sequence[int]] | None,
-) -> tuple[int, list[list[int]], list[list[int]]]:
-    """Returns the key of the rollout of a time step, of whose code this is the key, and the shapes of its arrays: the results of
-    all steps, or of the last one. Given the code of the step's products, the rollout returns the gradients with respect to the
-    arguments `variables`. `roles` are the roles of the step's arguments: `state`, `start` and `sequences`."""
-
 def xla_handler() -> int:
     """Returns the address of XLA's handler of all functions of arrays."""
 
@@ -232,6 +217,33 @@ class GpuRollout:
         `RolloutResults`, whose arrays stay on the processor: `state` (n, nq + nv) after the last step, `cost` (n,) or
         `None`, and with `trajectory=True` `trajectory` (n, steps, nq + nv). The call does not wait for them.
         """
+
+class CodeHandle:
+    """Compiled code, which lives as long as a handle of it."""
+
+    @property
+    def key(self) -> int:
+        """The key by which XLA finds the code."""
+    @property
+    def inputs(self) -> list[tuple[int, ...]]:
+        """The shapes of the arrays of arguments, for one state."""
+    @property
+    def outputs(self) -> list[tuple[int, ...]]:
+        """The shapes of the arrays of results, for one state."""
+    def call(self, arrays: Sequence[Array]) -> list[Array]:
+        """Calls the code on arrays in C order, whose leading axes are those of states and are broadcast. Returns an array for each
+        result, with the same leading axes."""
+    def rollout(
+        self,
+        steps: int,
+        trajectory: bool,
+        roles: Mapping[str, Any],
+        reverse: tuple[CodeHandle, Sequence[int]] | None = None,
+    ) -> CodeHandle:
+        """Returns the rollout of a time step, whose code this is: the results of all steps, or of the last one. Given the code of
+        the step's products, the rollout returns the gradients with respect to the arguments `variables`. `roles` are the roles
+        of the step's arguments: `state`, `start` and `sequences`."""
+
 
 @final
 class Robot:
@@ -363,15 +375,24 @@ class Robot:
         derivatives: Sequence[tuple[str, Sequence[int]]],
         feedback: bool = False,
         cost: bool = False,
-    ) -> tuple[int, list[list[int]], list[list[int]]]:
-        """Returns the key of the code of a function or of a derivative, and the shapes of its arrays of arguments and of
-        results. Each derivative is its mode (`forward`, `reverse` or `matrix`) and the indices of the arrays that vary. With
-        `feedback`, a time step has the arguments `gains`, `q_ref` and `qd_ref`; with `cost`, the array `cost` of the state, and
-        `q_goal`, `qd_goal`, `state_weights` and `control_weights`."""
-    def _field_code(self, step: int, derivative: tuple[str, Sequence[int]] | None, field: Mapping[str, Any]) -> int:
-        """Returns the key of the code of `step` on a height field, which sets the planes of the surfaces: given the key of the
-        step, or of its derivative, which is a mode (`forward`, `reverse` or `matrix`) and the indices of the arrays that vary.
-        `field` has the origin, the spacing, the columns and the heights."""
+    ) -> CodeHandle:
+        """Returns the code of a function or of a derivative. Each derivative is its mode (`forward`, `reverse` or `matrix`) and the
+        indices of the arrays that vary. With `feedback`, a time step has the arguments `gains`, `q_ref` and `qd_ref`; with
+        `cost`, the array `cost` of the state, and `q_goal`, `qd_goal`, `state_weights` and `control_weights`."""
+    def _field_code(
+        self,
+        step: CodeHandle,
+        derivative: tuple[str, Sequence[int]] | None,
+        heights: Array,
+        origin: Sequence[float],
+        spacing: Sequence[float],
+    ) -> CodeHandle:
+        """Returns the code of `step` on a height field, which sets the planes of the surfaces: given the code of the step, or of
+        its derivative, which is a mode (`forward`, `reverse` or `matrix`) and the indices of the arrays that vary. `heights`:
+        (rows, columns)."""
+    @property
+    def _kept(self) -> dict[Any, Any]:
+        """What the package keeps of the robot: signatures and functions of arrays."""
     def step_derivatives(
         self,
         q: ArrayLike,

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ._arrays import COST, FEEDBACK, ArrayFunction, Rollout, RolloutSignature, Signature, motions
-from ._modyn import Robot, call_arrays
+from ._modyn import Robot
 from ._results import StepDerivatives, StepSolution
 from ._types import HeightField, QuadraticCost, RolloutCosts, RolloutGradients, RolloutStates, StepSettings
 
@@ -18,8 +18,8 @@ Step = tuple[str, HeightField | None]
 
 def _array(robot: Robot, function: str, argument: str, given: Any) -> Any:
     """Returns an argument as an array in C order; `None` if it is not given."""
-    if given is None:
-        return None
+    if given is None or (type(given) is np.ndarray and given.dtype == robot.dtype and given.flags.c_contiguous):
+        return given
     try:
         if isinstance(given, StepSettings):
             return np.asarray(given, robot.dtype)
@@ -34,7 +34,7 @@ def _given(
 ) -> tuple[list[Any], Rollout]:
     """Returns the arguments as arrays in the order of the step, and the rollout."""
     array = lambda argument, x: _array(robot, name, argument, x)
-    signature = RolloutSignature(robot, *step)
+    signature = RolloutSignature.of(robot, *step)
     arrays = {argument: array(argument, given) for argument, given in arguments.items()}
     signature.start(arrays, np.asarray)
     if cost is not None:
@@ -51,7 +51,7 @@ def rollout(
 ) -> RolloutStates | RolloutCosts | StepSolution:
     """Returns the result of `Robot.rollout`."""
     arrays, code = _given(robot, "rollout", arguments, step, trajectory, cost)
-    return motions(call_arrays(code.key, arrays))
+    return motions(code.handle.call(arrays))
 
 
 def rollout_vjp(
@@ -79,7 +79,7 @@ def rollout_vjp(
         if weight.shape[weight.ndim - len(shape) :] != shape:
             raise ValueError(f"`{name}` of `rollout_vjp` has the shape {weight.shape}; expected {shape}, after axes of motions")
         arrays.append(weight)
-    found = dict(zip((names[k] for k in wanted), call_arrays(gradient.key, arrays)))
+    found = dict(zip((names[k] for k in wanted), gradient.handle.call(arrays)))
     if cost is not None and cost.terminal_weights is not None:
         # Those of the weights of each step, of which the last has the terminal weights added.
         by_step = found["state_weights"]
@@ -108,7 +108,7 @@ def _steps(given: Any, name: str) -> int | None:
 
 def step_derivatives(robot: Robot, arguments: dict[str, Any]) -> StepDerivatives:
     """Returns the result of `Robot.step_derivatives`."""
-    signature = Signature(robot, "step", None)
+    signature = Signature.of(robot, "step")
     arrays, _ = signature.bind(tuple(arguments.values()), {})
     given = [_array(robot, "step_derivatives", name, x) for name, x in zip(signature.names, arrays)]
     signature.check(given)
@@ -116,14 +116,14 @@ def step_derivatives(robot: Robot, arguments: dict[str, Any]) -> StepDerivatives
         given.append(signature.flat(None, np.asarray, np.concatenate))
     code = ArrayFunction(robot, "step")
     unit = np.eye(robot.nv, dtype=robot.dtype)
-    to_rates = ArrayFunction(robot, "velocity_to_qdot").key
+    to_rates = ArrayFunction(robot, "velocity_to_qdot").handle
     # The rates of the coordinates under each unit velocity: rows, which are orthogonal.
-    rates = lambda q: call_arrays(to_rates, [np.ascontiguousarray(q[..., None, :]), unit])[0]
+    rates = lambda q: to_rates.call([np.ascontiguousarray(q[..., None, :]), unit])[0]
     before = np.swapaxes(rates(given[0]), -1, -2)
-    results = call_arrays(code.key, given)
+    results = code.handle.call(given)
     q, qd, *_ = results
     after = rates(q)
-    by = call_arrays(code.derivative("matrix", [0, 1, 2]).key, code.at_solution(given, results))
+    by = code.derivative("matrix", [0, 1, 2]).handle.call(code.at_solution(given, results))
     columns = [np.concatenate([of_q @ before, *others], -1) for of_q, *others in (by[:3], by[3:6])]
     moved = after @ columns[0] / np.sum(after * after, -1)[..., None]
     matrices = np.concatenate([moved, columns[1]], -2)
@@ -150,6 +150,6 @@ def simulate(
         tau = _array(robot, "simulate", "policy(time, q, qd)", policy(k * float(given["dt"]), q, qd))
         of_step = [q, qd, tau, given["dt"], qdd, given["settings"]]
         of_robot.check(of_step)
-        results.append(StepSolution(*call_arrays(step.key, of_step + parameters)))
+        results.append(StepSolution(*step.handle.call(of_step + parameters)))
         q, qd, qdd = results[-1][:3]
     return StepSolution(*(np.stack(parts, q.ndim - 1) for parts in zip(*results)))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import namedtuple
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -12,6 +13,9 @@ from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 if TYPE_CHECKING:
     from ._modyn import GpuArray
+
+Numbers = Sequence[float] | NDArray[Any]
+"""numbers along one axis"""
 
 
 class JointLimits(NamedTuple):
@@ -99,7 +103,7 @@ class ContactSurface:
 
     rotation: ArrayLike = field(default_factory=lambda: np.eye(3))
     """(3, 3): the columns are the plane's axes in the world; z is the normal"""
-    translation: ArrayLike = (0.0, 0.0, 0.0)
+    translation: Numbers = (0.0, 0.0, 0.0)
     """(3,): a point of the plane, m"""
     radius: float = 0.0
     """the radius of a sphere or a capsule, or of a shape's round edges, m; 0 for a point"""
@@ -111,18 +115,19 @@ class ContactSurface:
     """the moment about a tangent divided by the normal force, m: for contacts of six components"""
     margin: float = 0.0
     """the distance from which on the contact acts, m"""
-    solref: ArrayLike = (0.02, 1.0)
+    solref: Numbers = (0.02, 1.0)
     """(2,): how a violation decays: the time constant (s) and the damping ratio; if the first number is negative, minus the
     stiffness and minus the damping"""
-    solimp: ArrayLike = (0.9, 0.95, 0.001, 0.5)
+    solimp: Numbers = (0.9, 0.95, 0.001, 0.5)
     """(4,): the impedance at the surface and at the depth `width`; the width, m; the share of the width at which the curve between
     them, of two parabolas, changes its direction"""
 
     def __array__(self, dtype: DTypeLike | None = None, copy: bool | None = None) -> NDArray[Any]:
-        plane = [np.asarray(x, float).ravel() for x in (self.rotation, self.translation)]
-        softness = [np.asarray(x, float).ravel() for x in (self.solref, self.solimp)]
+        return np.array(self._numbers(), np.dtype(dtype))
+
+    def _numbers(self) -> list[float]:
         numbers = [self.radius, self.friction, self.torsional_friction, self.rolling_friction, self.margin]
-        return np.concatenate([*plane, numbers, *softness]).astype(np.dtype(dtype))
+        return [*np.ravel(self.rotation).tolist(), *self.translation, *numbers, *self.solref, *self.solimp]
 
 
 @dataclass
@@ -141,8 +146,8 @@ class StepSettings:
         wanted = np.dtype(dtype)
         tolerance = 1e-4 if wanted == np.float32 else 1e-8
         tolerance = tolerance if self.tolerance is None else self.tolerance
-        numbers = np.array([tolerance, self.impratio])
-        return np.concatenate([numbers, *(np.asarray(contact) for contact in self.contacts)]).astype(wanted)
+        surfaces = (number for contact in self.contacts for number in contact._numbers())
+        return np.array([tolerance, self.impratio, *surfaces], wanted)
 
 
 class Joint(NamedTuple):
@@ -220,12 +225,12 @@ class HeightField:
     spacing: tuple[float, float] = (1.0, 1.0)
     """the distances of neighbours along x and y, m"""
 
-    def _numbers(self) -> dict[str, Any]:
-        heights = np.asarray(self.heights, float)
+    def _numbers(self) -> tuple[NDArray[Any], list[float], list[float]]:
+        heights = np.ascontiguousarray(self.heights, float)
         if heights.ndim != 2:
             raise ValueError(f"`heights` of `HeightField` has the shape {heights.shape}; expected (rows, columns)")
         origin, spacing = ([float(x) for x in pair] for pair in (self.origin, self.spacing))
-        return {"origin": origin, "spacing": spacing, "columns": heights.shape[1], "heights": heights.ravel().tolist()}
+        return heights, origin, spacing
 
 
 class RolloutGradients(NamedTuple):

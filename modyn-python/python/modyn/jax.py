@@ -183,18 +183,21 @@ def _abstract(*arrays: Any, code: Any) -> list[Any]:
 
 def _eager(primitive: Primitive) -> Callable[..., Any]:
     """Returns the primitive on numbers: compiled once for each code."""
-    compiled: dict[Any, Any] = {}
 
     def call(*arrays: Any, code: Any, **more: Any) -> Any:
-        at = (code, *more.values())
-        if at not in compiled:
-            compiled[at] = jax.jit(lambda *arrays: primitive.bind(*arrays, code=code, **more))
-        return compiled[at](*arrays)
+        at = (primitive, *more.values())
+        if at not in code.compiled:
+            code.compiled[at] = jax.jit(lambda *arrays: primitive.bind(*arrays, code=code, **more))
+        return code.compiled[at](*arrays)
 
     return call
 
 
 def _lowered(context: Any, *operands: Any, code: Any) -> Any:
+    module = context.module_context
+    if not module.lowering_parameters.for_export:
+        # The program keeps the code that it calls. An exported program can keep nothing.
+        module.add_keepalive(code.handle)
     return jax.ffi.ffi_lowering("modyn")(context, *operands, function=np.int64(code.key))
 
 

@@ -24,7 +24,7 @@ except ImportError as error:
 import numpy as np
 
 from ._arrays import ArrayFunction, Rollout, RolloutSignature, Signature, documented, motions
-from ._modyn import Robot, call_arrays
+from ._modyn import Robot
 from ._results import StepSolution
 from ._types import HeightField, QuadraticCost, RolloutCosts, RolloutStates, StepSettings
 
@@ -187,7 +187,7 @@ def _called(number: int, tensors: Sequence[torch.Tensor]) -> Sequence[torch.Tens
 
 def _computed(code: Any, tensors: Sequence[torch.Tensor]) -> list[torch.Tensor]:
     arrays = [tensor.detach().contiguous().numpy() for tensor in tensors]
-    return [torch.from_numpy(array) for array in call_arrays(code.key, arrays)]
+    return [torch.from_numpy(array) for array in code.handle.call(arrays)]
 
 
 def _sum_to(gradient: torch.Tensor, tensor: torch.Tensor) -> torch.Tensor:

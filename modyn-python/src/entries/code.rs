@@ -1,6 +1,7 @@
 //! Code that XLA and Python call on many states: a function of arrays, or a rollout.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use super::kernel::{ArrayShapes, Arrays, StateFunction};
 use super::rollout::Rollout;
@@ -11,9 +12,9 @@ use crate::pool::{INSTRUCTIONS_PER_THREAD, Pool};
 /// A function of arrays, or a rollout of one.
 pub enum ArrayCode<S: Number + 'static> {
     /// A function of the arrays of a state.
-    Function(StateFunction<S>),
-    /// A rollout, with the shapes of its arrays.
-    Rollout(Rollout<S>, ArrayShapes),
+    Function(Arc<StateFunction<S>>),
+    /// A rollout.
+    Rollout(Box<Rollout<S>>),
 }
 
 impl<S: Number> ArrayCode<S> {
@@ -21,7 +22,7 @@ impl<S: Number> ArrayCode<S> {
     pub fn shapes(&self) -> &ArrayShapes {
         match self {
             Self::Function(function) => function.shapes(),
-            Self::Rollout(_, shapes) => shapes,
+            Self::Rollout(rollout) => &rollout.shapes,
         }
     }
 
@@ -47,7 +48,7 @@ impl<S: Number> ArrayCode<S> {
                     |states: Range<usize>, lanes| kernel.compute(&arrays, states, lanes, pool);
                 share(&run, arrays.states(), kernel.cost(), kernel.lanes(), pool);
             }
-            Self::Rollout(rollout, _) => {
+            Self::Rollout(rollout) => {
                 let ready = rollout.ready()?;
                 let run = |states: Range<usize>, lanes| ready.run(&arrays, states, lanes, pool);
                 share(&run, arrays.states(), ready.cost(), ready.lanes(), pool);

@@ -4,12 +4,12 @@
 //! The planes do not depend on the coordinates in derivatives: each is held where it is in the step.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use modyn_codegen::Function;
 use modyn_codegen::plan::{Derivative, DerivativeMode, EntryFunction};
 use modyn_runtime::simulate::HeightField;
 use modyn_runtime::{ContactSurface, Pose, SettingError, StepSettings};
-use pyo3::prelude::*;
 
 use super::kernel::{ArrayShapes, Kernel, OwnCode, OwnKernel, StateFunction};
 use crate::number::Number;
@@ -22,9 +22,7 @@ const SETTINGS: usize = 5;
 const POSE: usize = 12;
 
 /// The numbers of a `HeightField`.
-#[derive(FromPyObject)]
-#[pyo3(from_item_all)]
-pub struct FieldNumbers {
+pub struct FieldNumbers<'a> {
     /// The x and y of the first height, m.
     pub origin: [f64; 2],
     /// The distances of neighbours along x and y, m.
@@ -32,7 +30,15 @@ pub struct FieldNumbers {
     /// The number of heights along x.
     pub columns: usize,
     /// The heights, m, by rows.
-    pub heights: Vec<f64>,
+    pub heights: &'a [f64],
+}
+
+impl FieldNumbers<'_> {
+    /// Returns all bits.
+    pub fn bits(&self) -> Vec<u64> {
+        let numbers = self.origin.iter().chain(&self.spacing).chain(self.heights);
+        numbers.map(|number| number.to_bits()).chain([self.columns as u64]).collect()
+    }
 }
 
 /// Returns the function of the poses of the links that carry the touching shapes: twelve numbers for
@@ -52,10 +58,13 @@ pub fn poses(robot: &Robot) -> EntryFunction {
 
 /// A step on a height field, or a derivative of one.
 pub struct FieldStep<S: Number + 'static> {
-    step: &'static StateFunction<S>,
+    step: Arc<StateFunction<S>>,
     /// The poses of the links that carry the shapes.
-    poses: &'static StateFunction<S>,
-    field: HeightField<'static, S>,
+    poses: Arc<StateFunction<S>>,
+    origin: [S; 2],
+    spacing: [S; 2],
+    columns: usize,
+    heights: Vec<S>,
     /// The centres of the shapes in the frames of their links.
     centers: Vec<[S; 3]>,
     derivative: Option<Derivative>,
@@ -69,19 +78,30 @@ impl<S: Number> FieldStep<S> {
     /// If a number of the field is outside of its range.
     pub fn new(
         robot: &Robot,
-        [step, poses]: [&'static StateFunction<S>; 2],
-        FieldNumbers { origin, spacing, columns, heights }: &FieldNumbers,
+        [step, poses]: [Arc<StateFunction<S>>; 2],
+        field: &FieldNumbers<'_>,
         derivative: Option<Derivative>,
     ) -> Result<Self, SettingError> {
-        // In the scalar a number can be infinite, or zero.
-        let [origin, spacing] = [origin, spacing].map(|pair| pair.map(S::from_f64));
-        let heights: Vec<S> = heights.iter().map(|&height| S::from_f64(height)).collect();
-        HeightField::new(origin, spacing, *columns, &heights)?;
-        // The code of a function is never dropped.
-        let field = HeightField::new(origin, spacing, *columns, heights.leak())?;
         let shapes = robot.model().touching_shapes().into_iter();
         let centers = shapes.map(|shape| shape.end.pose.translation.map(S::from_f64));
-        Ok(Self { step, poses, field, centers: centers.collect(), derivative })
+        let step = Self {
+            step,
+            poses,
+            origin: field.origin.map(S::from_f64),
+            spacing: field.spacing.map(S::from_f64),
+            columns: field.columns,
+            heights: field.heights.iter().map(|&height| S::from_f64(height)).collect(),
+            centers: centers.collect(),
+            derivative,
+        };
+        // In the scalar a number can be infinite, or zero.
+        step.field()?;
+        Ok(step)
+    }
+
+    /// Returns the field.
+    fn field(&self) -> Result<HeightField<'_, S>, SettingError> {
+        HeightField::new(self.origin, self.spacing, self.columns, &self.heights)
     }
 
     /// Returns the shapes of the arrays.
@@ -93,13 +113,15 @@ impl<S: Number> FieldStep<S> {
 impl<S: Number> OwnCode<S> for FieldStep<S> {
     fn ready(&self) -> Result<Box<dyn OwnKernel<S> + '_>, String> {
         let [step, poses] = [self.step.kernel()?, self.poses.kernel()?];
-        Ok(Box::new(ReadyStep { function: self, step, poses }))
+        let field = self.field().map_err(|error| error.to_string())?;
+        Ok(Box::new(ReadyStep { function: self, field, step, poses }))
     }
 }
 
 /// A step on a height field, ready to be called.
 struct ReadyStep<'a, S: Number + 'static> {
     function: &'a FieldStep<S>,
+    field: HeightField<'a, S>,
     step: Kernel<'a, S>,
     poses: Kernel<'a, S>,
 }
@@ -173,7 +195,7 @@ impl<S: Number> ReadyStep<'_, S> {
 
     /// Sets the planes of the settings to the planes of the field below the shapes.
     fn set_planes(&self, numbers: &mut [S], lanes: usize) {
-        let FieldStep { field, centers, .. } = self.function;
+        let FieldStep { centers, .. } = self.function;
         let [inputs, _] = self.function.shapes().lengths();
         let mut poses = vec![S::zero(); POSE * centers.len() * lanes];
         self.poses.run(&numbers[..inputs[0] * lanes], &mut poses, lanes);
@@ -185,7 +207,7 @@ impl<S: Number> ReadyStep<'_, S> {
                 let [x, y, z, translation] =
                     [0, 3, 6, 9].map(|row| [0, 1, 2].map(|k| number(row + k)));
                 let pose = Pose { rotation: [x, y, z], translation };
-                let Pose { rotation, translation } = field.plane_below(pose, center);
+                let Pose { rotation, translation } = self.field.plane_below(pose, center);
                 let entries = rotation.iter().flatten().chain(&translation);
                 for (&entry, k) in entries.zip(plane.clone()) {
                     numbers[(settings + k) * lanes + lane] = entry;

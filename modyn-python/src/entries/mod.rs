@@ -3,13 +3,15 @@
 //!
 //! ```text
 //! Robot ─ plan_entries ─▶ ArrayCode, by a key of its content ─┬─ xla.rs: XLA calls it with its buffers and threads
-//!                                                             └─ call_arrays: arrays of NumPy
+//!                                                             └─ handle.rs: arrays of NumPy
 //! ```
 //!
-//! The code of a function is never dropped: XLA may call it as long as the process lives.
+//! Code lives as long as a [`CodeHandle`] does: those of the robot, of functions of Python, and of the
+//! compiled programs of XLA, which keep the functions that they call.
 
 mod code;
 mod field;
+mod handle;
 mod interface;
 mod kernel;
 mod rollout;
@@ -17,36 +19,28 @@ mod signature;
 mod states;
 mod xla;
 
-use std::collections::HashMap;
-use std::hash::{DefaultHasher, Hash, Hasher};
-use std::sync::{OnceLock, PoisonError, RwLock};
+use std::sync::{Arc, PoisonError};
 
 use modyn_codegen::plan::{Derivative, DerivativeMode, EntryFunction, Planned};
 use modyn_codegen::{FloatType, Function, Planning};
-use numpy::PyArrayDyn;
+use numpy::PyReadonlyArray2;
 use numpy::prelude::*;
-use pyo3::exceptions::{PyMemoryError, PyTypeError, PyValueError};
+use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyList};
+use pyo3::types::PyDict;
 
-use crate::arrays::in_order;
 use crate::errors::{description_error, warn_of_machine_code};
-use crate::memory::zeros;
 use crate::number::Number;
-use crate::pool::StartedThreads;
 use crate::robot::Robot;
 use code::ArrayCode;
 use field::{FieldNumbers, FieldStep};
+pub use handle::CodeHandle;
+use handle::Identity;
 use kernel::{ArrayShapes, StateFunction};
-use rollout::{Reverse, Rollout};
-use states::{Broadcast, Fault, Numbers, common};
 pub use xla::xla_handler;
 
-/// The key of code, and the shapes of its arrays of arguments and of results.
-type KeyAndShapes = (i64, Vec<Vec<usize>>, Vec<Vec<usize>>);
-
 /// The code of a function of arrays, for either scalar.
-enum AnyCode {
+pub enum AnyCode {
     F64(ArrayCode<f64>),
     F32(ArrayCode<f32>),
 }
@@ -63,31 +57,14 @@ impl AnyCode {
         Some(match scalar {
             FloatType::F64 => {
                 let (function, reason) = StateFunction::new(planning, arrays, machine)?;
-                (Self::F64(ArrayCode::Function(function)), reason)
+                (Self::F64(ArrayCode::Function(Arc::new(function))), reason)
             }
             FloatType::F32 => {
                 let (function, reason) = StateFunction::new(planning, arrays, machine)?;
-                (Self::F32(ArrayCode::Function(function)), reason)
+                (Self::F32(ArrayCode::Function(Arc::new(function))), reason)
             }
         })
     }
-}
-
-/// Returns the code of all functions, by their keys.
-fn registry() -> &'static RwLock<HashMap<i64, &'static AnyCode>> {
-    static REGISTRY: OnceLock<RwLock<HashMap<i64, &'static AnyCode>>> = OnceLock::new();
-    REGISTRY.get_or_init(RwLock::default)
-}
-
-/// Returns the code with this key.
-fn find(key: i64) -> Option<&'static AnyCode> {
-    registry().read().unwrap_or_else(PoisonError::into_inner).get(&key).copied()
-}
-
-/// Keeps code as long as the process lives.
-fn register(key: i64, code: AnyCode) {
-    let mut registry = registry().write().unwrap_or_else(PoisonError::into_inner);
-    registry.entry(key).or_insert_with(|| Box::leak(Box::new(code)));
 }
 
 /// Returns a derivative, given its mode and the indices of the arrays that vary.
@@ -101,16 +78,17 @@ fn parsed((mode, variables): (String, Vec<usize>)) -> PyResult<Derivative> {
     Ok(Derivative { mode, variables })
 }
 
-/// Returns the key of a function: a hash of its program, its arrays and its scalar, the same in
-/// each process.
-fn key_of(planned: &Planned, arrays: &ArrayShapes, scalar: FloatType, machine: bool) -> i64 {
-    let mut hasher = DefaultHasher::new();
-    env!("CARGO_PKG_VERSION").hash(&mut hasher);
-    (arrays, scalar == FloatType::F32, machine).hash(&mut hasher);
-    for program in planned.kernels.straight().into_iter().flat_map(<[_; 2]>::from) {
-        program.to_string().hash(&mut hasher);
-    }
-    (hasher.finish() >> 1).cast_signed()
+/// Returns the identity of a function: of its program, its arrays and its scalar.
+fn identity_of(
+    planned: &Planned,
+    arrays: &ArrayShapes,
+    scalar: FloatType,
+    machine: bool,
+) -> Identity {
+    let programs = planned.kernels.straight().into_iter().flat_map(<[_; 2]>::from);
+    let texts: Vec<String> = programs.map(ToString::to_string).collect();
+    let version = env!("CARGO_PKG_VERSION");
+    Identity::of((version, arrays, scalar == FloatType::F32, machine, texts))
 }
 
 #[pymethods]
@@ -129,9 +107,8 @@ impl Robot {
         signature::of(self, py, function)
     }
 
-    /// Returns the key of the code of a function or of a derivative, and the shapes of its arrays
-    /// of arguments and of results. Each derivative is its mode (`forward`, `reverse` or `matrix`)
-    /// and the indices of the arrays that vary. With `feedback`, a time step has the arguments
+    /// Returns the code of a function or of a derivative. Each derivative is its mode (`forward`,
+    /// `reverse` or `matrix`) and the indices of the arrays that vary. With `feedback`, a time step has the arguments
     /// `gains`, `q_ref` and `qd_ref`; with `cost`, the array `cost` of the state, and `q_goal`,
     /// `qd_goal`, `state_weights` and `control_weights`. For `modyn.jax` and `modyn.torch`.
     #[pyo3(signature = (name, link, derivatives, feedback=false, cost=false))]
@@ -143,58 +120,51 @@ impl Robot {
         derivatives: Vec<(String, Vec<usize>)>,
         feedback: bool,
         cost: bool,
-    ) -> PyResult<KeyAndShapes> {
+    ) -> PyResult<CodeHandle> {
         let (function, link) = self.array_function(name, link)?;
         let derivatives = derivatives.into_iter().map(parsed).collect::<PyResult<Vec<_>>>()?;
         let mut results = signature::places(self, function);
         let count = results.iter().map(Vec::len).sum();
         results.extend(cost.then(|| vec![count]));
         let function = EntryFunction { function, link, results, feedback, cost, derivatives };
-        let arrays = signature::shapes(self, &function).map_err(PyValueError::new_err)?;
-        let key = self.array_key(&function, || self.array_code(py, &function, &arrays))?;
-        Ok((key, arrays.inputs().to_vec(), arrays.outputs().to_vec()))
+        self.code_of(py, &function)
     }
 }
 
 #[pymethods]
 impl Robot {
-    /// Returns the key of the code of `step` on a height field, which sets the planes of the
-    /// surfaces: given the key of the step, or of its derivative, which is a mode (`forward`,
-    /// `reverse` or `matrix`) and the indices of the arrays that vary. `field` has the origin, the
-    /// spacing, the columns and the heights.
-    #[pyo3(signature = (step, derivative, field))]
+    /// Returns the code of `step` on a height field, which sets the planes of the surfaces: given
+    /// the code of the step, or of its derivative, which is a mode (`forward`, `reverse` or
+    /// `matrix`) and the indices of the arrays that vary. `heights`: (rows, columns).
+    #[pyo3(signature = (step, derivative, heights, origin, spacing))]
     fn _field_code(
         &self,
         py: Python<'_>,
-        step: i64,
+        step: &CodeHandle,
         derivative: Option<(String, Vec<usize>)>,
-        field: FieldNumbers,
-    ) -> PyResult<i64> {
+        heights: PyReadonlyArray2<'_, f64>,
+        origin: [f64; 2],
+        spacing: [f64; 2],
+    ) -> PyResult<CodeHandle> {
         let derivative = derivative.map(parsed).transpose()?;
-        let poses = field::poses(self);
-        let arrays = signature::shapes(self, &poses).map_err(PyValueError::new_err)?;
-        let poses = self.array_key(&poses, || self.array_code(py, &poses, &arrays))?;
-        let mut hasher = DefaultHasher::new();
-        let FieldNumbers { origin, spacing, columns, heights } = &field;
-        let numbers = origin.iter().chain(spacing).chain(heights);
-        numbers.for_each(|number| number.to_bits().hash(&mut hasher));
-        (step, poses, columns, format!("{derivative:?}")).hash(&mut hasher);
-        let key = (hasher.finish() >> 1).cast_signed();
-        if find(key).is_some() {
-            return Ok(key);
-        }
-        let codes = [step, poses].map(find);
-        let code = match codes {
-            [Some(AnyCode::F64(step)), Some(AnyCode::F64(poses))] => {
-                AnyCode::F64(self.on_field([step, poses], &field, derivative)?)
+        let poses = self.code_of(py, &field::poses(self))?;
+        let columns = heights.shape()[1];
+        let heights = heights.as_slice()?;
+        let numbers = FieldNumbers { origin, spacing, columns, heights };
+        let identity = Identity::of((
+            (step.identity(), poses.identity()),
+            format!("{derivative:?}"),
+            numbers.bits(),
+        ));
+        CodeHandle::new(identity, || match (step.code(), poses.code()) {
+            (AnyCode::F64(step), AnyCode::F64(poses)) => {
+                Ok(AnyCode::F64(self.on_field([step, poses], &numbers, derivative)?))
             }
-            [Some(AnyCode::F32(step)), Some(AnyCode::F32(poses))] => {
-                AnyCode::F32(self.on_field([step, poses], &field, derivative)?)
+            (AnyCode::F32(step), AnyCode::F32(poses)) => {
+                Ok(AnyCode::F32(self.on_field([step, poses], &numbers, derivative)?))
             }
-            _ => return Err(no_step()),
-        };
-        register(key, code);
-        Ok(key)
+            _ => Err(handle::no_step()),
+        })
     }
 
     /// Returns the states of motions of many time steps in one call: after each step, (..., steps,
@@ -393,26 +363,42 @@ impl Robot {
     /// the links that carry the shapes.
     fn on_field<S: Number>(
         &self,
-        codes: [&'static ArrayCode<S>; 2],
-        field: &FieldNumbers,
+        codes: [&ArrayCode<S>; 2],
+        field: &FieldNumbers<'_>,
         derivative: Option<Derivative>,
     ) -> PyResult<ArrayCode<S>> {
         let [ArrayCode::Function(step), ArrayCode::Function(poses)] = codes else {
-            return Err(no_step());
+            return Err(handle::no_step());
         };
-        let step = FieldStep::new(self, [step, poses], field, derivative)
+        let functions = [step, poses].map(Arc::clone);
+        let step = FieldStep::new(self, functions, field, derivative)
             .map_err(|error| PyValueError::new_err(error.to_string()))?;
         let shapes = step.shapes().clone();
-        Ok(ArrayCode::Function(StateFunction::of_own_code(step, shapes)))
+        Ok(ArrayCode::Function(Arc::new(StateFunction::of_own_code(step, shapes))))
     }
 
-    /// Compiles a function of arrays, unless there is the same code already, and returns its key.
-    fn array_code(
+    /// Returns the code of a function of arrays, which is compiled at its first use, and is the
+    /// robot's as long as the robot lives.
+    fn code_of(&self, py: Python<'_>, function: &EntryFunction) -> PyResult<CodeHandle> {
+        let codes = || self.array_codes.lock().unwrap_or_else(PoisonError::into_inner);
+        let known =
+            codes().iter().find(|(other, _)| other == function).map(|(_, code)| code.clone());
+        if let Some(code) = known {
+            return Ok(code);
+        }
+        let arrays = signature::shapes(self, function).map_err(PyValueError::new_err)?;
+        let code = self.compile_arrays(py, function, &arrays)?;
+        codes().push((function.clone(), code.clone()));
+        Ok(code)
+    }
+
+    /// Compiles a function of arrays, unless there is the same code already.
+    fn compile_arrays(
         &self,
         py: Python<'_>,
         function: &EntryFunction,
         arrays: &ArrayShapes,
-    ) -> PyResult<i64> {
+    ) -> PyResult<CodeHandle> {
         let result_of_planning = self.builder().plan_entries(function);
         let planning = result_of_planning.map_err(|errors| description_error(py, &errors))?;
         let planned = planning.plan.functions.first();
@@ -420,217 +406,14 @@ impl Robot {
         let planned = planned.ok_or_else(none)?;
         let scalar = self.scalar();
         let machine = self.has_machine_code();
-        let key = key_of(planned, arrays, scalar, machine);
-        if find(key).is_none() {
+        CodeHandle::new(identity_of(planned, arrays, scalar, machine), || {
             let code = AnyCode::new(planning, arrays.clone(), scalar, machine);
             let (code, reason) = code.ok_or_else(none)?;
             if let Some(reason) = reason {
                 let message = format!("functions are evaluated, which is slow: {reason}");
                 warn_of_machine_code(py, &message)?;
             }
-            register(key, code);
-        }
-        Ok(key)
+            Ok(code)
+        })
     }
-}
-
-/// The roles of the arguments of a step in a rollout, by their indices.
-#[derive(FromPyObject, Hash)]
-#[pyo3(from_item_all)]
-pub struct Roles {
-    /// The arguments that are the first results of the step before.
-    state: Vec<usize>,
-    /// The argument of the state from which a solver starts.
-    start: Option<usize>,
-    /// The arguments that have numbers for each step.
-    sequences: Vec<usize>,
-}
-
-impl Roles {
-    /// Returns whether gradients flow through an argument from step to step.
-    fn is_carried(&self, argument: usize) -> bool {
-        self.state.contains(&argument) && self.start != Some(argument)
-    }
-}
-
-/// Returns the key of the rollout of a time step, of whose code this is the key: the results of all
-/// steps, or of the last one. Given the code of the step's products, the rollout returns the
-/// gradients with respect to the arguments `variables`. `roles` are the roles of the step's
-/// arguments: `state`, `start` and `sequences`.
-#[pyfunction]
-pub fn rollout_code(
-    step: i64,
-    steps: usize,
-    trajectory: bool,
-    roles: Roles,
-    reverse: Option<(i64, Vec<usize>)>,
-) -> PyResult<KeyAndShapes> {
-    let mut hasher = DefaultHasher::new();
-    (step, steps, trajectory, &roles, &reverse).hash(&mut hasher);
-    let key = (hasher.finish() >> 1).cast_signed();
-    let code_of = |key: i64| find(key).ok_or_else(|| PyValueError::new_err(missing(key)));
-    let (code, arrays) = match code_of(step)? {
-        AnyCode::F64(step) => {
-            let reverse = reverse.map(|(key, variables)| match code_of(key)? {
-                AnyCode::F64(step) => Ok((step, variables)),
-                AnyCode::F32(_) => Err(no_step()),
-            });
-            let (rollout, arrays) =
-                rolled_out(step, steps, trajectory, &roles, reverse.transpose()?)?;
-            (AnyCode::F64(ArrayCode::Rollout(rollout, arrays.clone())), arrays)
-        }
-        AnyCode::F32(step) => {
-            let reverse = reverse.map(|(key, variables)| match code_of(key)? {
-                AnyCode::F32(step) => Ok((step, variables)),
-                AnyCode::F64(_) => Err(no_step()),
-            });
-            let (rollout, arrays) =
-                rolled_out(step, steps, trajectory, &roles, reverse.transpose()?)?;
-            (AnyCode::F32(ArrayCode::Rollout(rollout, arrays.clone())), arrays)
-        }
-    };
-    if find(key).is_none() {
-        register(key, code);
-    }
-    Ok((key, arrays.inputs().to_vec(), arrays.outputs().to_vec()))
-}
-
-fn no_step() -> PyErr {
-    PyValueError::new_err("this is no time step with products of it")
-}
-
-/// Returns the rollout of a step with the shapes of its arrays.
-fn rolled_out<S: Number>(
-    step: &'static ArrayCode<S>,
-    steps: usize,
-    trajectory: bool,
-    roles: &Roles,
-    reverse: Option<(&'static ArrayCode<S>, Vec<usize>)>,
-) -> PyResult<(Rollout<S>, ArrayShapes)> {
-    let function = |code: &'static ArrayCode<S>| match code {
-        ArrayCode::Function(function) => Ok(function),
-        ArrayCode::Rollout(..) => Err(no_step()),
-    };
-    let step = function(step)?;
-    let reverse = reverse
-        .map(|(step, variables)| function(step).map(|step| Reverse { step, variables }))
-        .transpose()?;
-    let given = step.shapes().inputs();
-    let results = step.shapes().outputs();
-    let Roles { state, start, sequences } = roles;
-    let fits = state.len() <= results.len()
-        && state.iter().zip(results).all(|(&k, result)| given.get(k) == Some(result))
-        && start.is_none_or(|start| state.contains(&start))
-        && sequences.iter().all(|k| *k < given.len() && !state.contains(k))
-        && reverse.as_ref().is_none_or(|reverse| {
-            let varies = |k: &usize| roles.is_carried(*k) || reverse.variables.contains(k);
-            let varying = (0..given.len()).filter(varies);
-            reverse.step.shapes().outputs().iter().eq(varying.map(|k| &given[k]))
-                && *reverse.step.shapes().inputs() == *[given, results].concat()
-                && reverse.variables.is_sorted_by(|a, b| a < b)
-        });
-    if !fits {
-        return Err(no_step());
-    }
-    let is_sequence: Vec<bool> = (0..given.len()).map(|k| sequences.contains(&k)).collect();
-    let of_steps = |shape: &Vec<usize>| [&[steps], &**shape].concat();
-    let input = |(shape, &is_sequence): (&Vec<usize>, &bool)| {
-        if is_sequence { of_steps(shape) } else { shape.clone() }
-    };
-    let mut inputs: Vec<Vec<usize>> = given.iter().zip(&is_sequence).map(input).collect();
-    let end = |shape: &Vec<usize>| if trajectory { of_steps(shape) } else { shape.clone() };
-    let mut outputs: Vec<Vec<usize>> = results.iter().map(end).collect();
-    if let Some(reverse) = &reverse {
-        let gradients = reverse.variables.iter().map(|&k| inputs[k].clone()).collect();
-        inputs.extend(std::mem::replace(&mut outputs, gradients));
-    }
-    let checks = step.shapes().checks().to_vec();
-    let rollout = Rollout {
-        step,
-        state: state.clone(),
-        start: *start,
-        is_sequence,
-        steps,
-        trajectory,
-        reverse,
-    };
-    Ok((rollout, ArrayShapes::new(inputs, outputs).with_checks(checks)))
-}
-
-/// Calls the code with this key on arrays in C order, whose leading axes are those of states and
-/// are broadcast. Returns an array for each result, with the same leading axes.
-#[pyfunction]
-pub fn call_arrays<'py>(
-    py: Python<'py>,
-    key: i64,
-    arrays: Vec<Bound<'py, PyAny>>,
-) -> PyResult<Bound<'py, PyList>> {
-    match find(key) {
-        Some(AnyCode::F64(code)) => called(py, code, &arrays),
-        Some(AnyCode::F32(code)) => called(py, code, &arrays),
-        None => Err(PyValueError::new_err(missing(key))),
-    }
-}
-
-/// Returns the message that no function has this key.
-fn missing(key: i64) -> String {
-    format!(
-        "modyn: this process has not compiled the function {key:016x}; load the robot and call `modyn.jax.function` or \
-         `modyn.torch.function` with it first"
-    )
-}
-
-/// Returns the axes of states of an array whose axes for one state are `own`.
-fn leading<'a>(axes: &'a [usize], own_axes: &[usize]) -> Result<&'a [usize], String> {
-    axes.strip_suffix(own_axes).ok_or_else(|| {
-        let given_shape = crate::arrays::tuple(axes);
-        let expected = crate::arrays::tuple(own_axes);
-        format!(
-            "modyn: an array has the shape {given_shape}; expected {expected}, after axes of states"
-        )
-    })
-}
-
-fn called<'py, S: Number>(
-    py: Python<'py>,
-    code: &ArrayCode<S>,
-    arrays: &[Bound<'py, PyAny>],
-) -> PyResult<Bound<'py, PyList>> {
-    let wrong = |message: String| PyValueError::new_err(message);
-    let read = |array: &Bound<'py, PyAny>| {
-        let array = in_order::<S>("call_arrays", "arrays", array)?;
-        array.try_into_readonly().map_err(|error| wrong(error.to_string()))
-    };
-    let given = arrays.iter().map(read).collect::<PyResult<Vec<_>>>()?;
-    let mut axes = Vec::with_capacity(given.len());
-    let mut numbers: Vec<Numbers<'_, S>> = Vec::with_capacity(given.len());
-    for (array, shape) in given.iter().zip(code.shapes().inputs()) {
-        axes.push(leading(array.shape(), shape).map_err(wrong)?);
-        numbers.push(array.as_slice()?.into());
-    }
-    let all = common(&axes).map_err(wrong)?;
-    let allocated = code.shapes().outputs().iter().map(|shape| {
-        let shape = [&*all, shape].concat();
-        zeros::<S>(py, &shape, false)
-    });
-    let results: Vec<Bound<'py, PyArrayDyn<S>>> = allocated.collect::<PyResult<_>>()?;
-    let broadcast =
-        Broadcast::new(&axes, code.shapes().lengths()[0]).map_err(|fault| match fault {
-            Fault::Memory => PyMemoryError::new_err(fault.to_string()),
-            Fault::Arrays(message) => wrong(message),
-        })?;
-    let mut written: Vec<_> = results.iter().map(PyArrayMethods::readwrite).collect();
-    let mut outputs = Vec::with_capacity(written.len());
-    for array in &mut written {
-        outputs.push(array.as_slice_mut()?.into());
-    }
-    let threads = StartedThreads::new();
-    let run = || code.compute(&broadcast, &numbers, &outputs, &threads);
-    // Releasing Python's lock takes longer than one state.
-    let is_long = broadcast.states() > 1 || matches!(code, ArrayCode::Rollout(..));
-    if is_long { py.detach(run) } else { run() }.map_err(wrong)?;
-    threads.finish()?;
-    drop(outputs);
-    drop(written);
-    PyList::new(py, results)
 }

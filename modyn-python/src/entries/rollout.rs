@@ -11,8 +11,9 @@
 //! its own solution, and no gradient flows through the start.
 
 use std::ops::Range;
+use std::sync::Arc;
 
-use super::kernel::{Arrays, Kernel, StateFunction};
+use super::kernel::{ArrayShapes, Arrays, Kernel, StateFunction};
 use crate::number::Number;
 use crate::pool::{Pool, Questions};
 
@@ -23,7 +24,7 @@ const MAX_STORED: usize = 128;
 /// A rollout of a step.
 pub struct Rollout<S: Number + 'static> {
     /// The step.
-    pub step: &'static StateFunction<S>,
+    pub step: Arc<StateFunction<S>>,
     /// The arguments of the step that are the state, in the order of its first results.
     pub state: Vec<usize>,
     /// The argument of the state from which a solver starts.
@@ -37,13 +38,15 @@ pub struct Rollout<S: Number + 'static> {
     pub trajectory: bool,
     /// Products of weights and derivatives, in place of the states.
     pub reverse: Option<Reverse<S>>,
+    /// The shapes of its arrays.
+    pub shapes: ArrayShapes,
 }
 
 /// The derivatives of a rollout.
 pub struct Reverse<S: Number + 'static> {
     /// The products of the step with respect to the state without the solver's start, and the
     /// `variables`.
-    pub step: &'static StateFunction<S>,
+    pub step: Arc<StateFunction<S>>,
     /// The arguments of the step with respect to which derivatives are taken, in ascending order.
     pub variables: Vec<usize>,
 }

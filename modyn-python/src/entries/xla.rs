@@ -16,13 +16,14 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use pyo3::prelude::*;
 
+use super::AnyCode;
 use super::code::ArrayCode;
+use super::handle::{find, leading, missing};
 use super::interface::{
     Api, Attributes, Buffer, Buffers, CallFrame, Error, ErrorCreate, ErrorDestroy, F32, F64, I64,
     INVALID_ARGUMENT, METADATA, MetadataExtension, NumThreads, SCALAR, ScalarAttribute, Schedule,
 };
 use super::states::{Broadcast, Numbers, Results};
-use super::{AnyCode, find, leading, missing};
 use crate::number::Number;
 use crate::pool::Pool;
 
@@ -81,10 +82,9 @@ unsafe fn call(frame: &CallFrame, api: &Api) -> Result<(), String> {
     unsafe {
         let key = key(&frame.attributes).ok_or("modyn: a call has no attribute `function`")?;
         let threads = XlaThreads { api, context: frame.context };
-        match find(key) {
-            Some(AnyCode::F64(code)) => typed(frame, code, F64, &threads),
-            Some(AnyCode::F32(code)) => typed(frame, code, F32, &threads),
-            None => Err(missing(key)),
+        match &*find(key).ok_or_else(|| missing(key))? {
+            AnyCode::F64(code) => typed(frame, code, F64, &threads),
+            AnyCode::F32(code) => typed(frame, code, F32, &threads),
         }
     }
 }
