@@ -73,14 +73,15 @@ impl Layout {
         for (k, number) in loops.stored.iter().enumerate() {
             stored[number.entry.array].insert(number.entry.index, k);
         }
-        let unwritten = loops.arrays.iter().zip(is_written).zip(stored);
-        let unwritten = unwritten.map(|((array, is_written), stored)| {
-            (!is_written && stored.len() == array.len()).then_some(stored)
-        });
+        let stored_arrays = loops.arrays.iter().zip(is_written).zip(stored);
+        let unwritten: Vec<Option<BTreeMap<usize, usize>>> = stored_arrays
+            .map(|((array, is_written), stored)| {
+                (!is_written && stored.len() == array.len()).then_some(stored)
+            })
+            .collect();
         let arrays = arguments + results;
         let mut length = arrays;
         let mut starts = Vec::new();
-        let unwritten: Vec<Option<BTreeMap<usize, usize>>> = unwritten.collect();
         for (array, unwritten) in loops.arrays.iter().zip(&unwritten) {
             starts.push(length);
             length += if unwritten.is_some() { 0 } else { array.len() };
@@ -189,19 +190,18 @@ impl LoopedCode {
         let layout = Layout::new(loops, arguments, parts.before.results.len());
         let mut by_routine = BTreeMap::new();
         calls(&loops.steps, &mut by_routine);
-        let routines = program.routines.iter().enumerate().map(|(k, routine)| {
+        let mut routines = Vec::new();
+        for (k, routine) in program.routines.iter().enumerate() {
             let reads = &by_routine[&k].reads;
-            let program = &routine.program;
-            append(
-                &program.with_arguments_at(layout.length, |n| layout.read(reads[n])),
-                layout.length,
-            )
-        });
-        let routines = routines.collect();
+            let placed =
+                routine.program.with_arguments_at(layout.length, |n| layout.read(reads[n]));
+            routines.push(append(&placed, layout.length));
+        }
         let after = parts.after.with_arguments_at(layout.length, |n| layout.after(loops, n));
-        let stored = loops.stored.iter().enumerate();
-        let stored = stored.filter(|(_, stored)| layout.unwritten[stored.entry.array].is_none());
-        let stored = stored.map(|(k, stored)| (layout.before + k, layout.place(stored.entry)));
+        let numbers = loops.stored.iter().enumerate();
+        let stored = numbers
+            .filter(|(_, stored)| layout.unwritten[stored.entry.array].is_none())
+            .map(|(k, stored)| (layout.before + k, layout.place(stored.entry)));
         Self {
             before: append(&parts.before, arguments),
             after: append(&after, layout.length),

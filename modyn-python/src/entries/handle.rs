@@ -283,8 +283,8 @@ fn rolled_out<S: Number>(
 /// Returns the message that no function has this key.
 pub fn missing(key: i64) -> String {
     format!(
-        "modyn: this process has no function {key:016x}; load the robot, call `modyn.jax.function` or `modyn.jax.rollout` \
-         with it, and keep what it returns"
+        "modyn: this process has no function {key:016x}; load the robot, call `modyn.jax.function` \
+         or `modyn.jax.rollout` with it, and keep what it returns"
     )
 }
 

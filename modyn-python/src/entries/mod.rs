@@ -6,8 +6,8 @@
 //!                                                             └─ handle.rs: arrays of NumPy
 //! ```
 //!
-//! Code lives as long as a [`CodeHandle`] does: those of the robot, of functions of Python, and of the
-//! compiled programs of XLA, which keep the functions that they call.
+//! Code lives as long as a [`CodeHandle`] does. The robot has one, functions of Python have one, and so have
+//! the compiled programs of XLA, which keep the functions that they call.
 
 mod code;
 mod field;
