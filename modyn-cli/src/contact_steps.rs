@@ -17,7 +17,8 @@ pub enum Ground {
     None,
     /// The points of the contacts touch the plane z = 0, with this coefficient of friction.
     Plane(f64),
-    /// The shapes of the description touch its planes.
+    /// The shapes of the description touch their planes, or the points of the contacts the ground of
+    /// the options.
     Described,
 }
 
@@ -43,7 +44,7 @@ pub struct Options {
 }
 
 impl Options {
-    /// Returns the choices of an MJCF whose shapes touch its floor: its contacts and its joint limits
+    /// Returns the choices of a robot whose shapes touch a floor: its contacts and its joint limits
     /// act. `None` for other robots, and for a robot whose contacts are named.
     #[must_use]
     pub fn of_scene(model: &Model) -> Option<Self> {

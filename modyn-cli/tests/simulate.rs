@@ -220,7 +220,7 @@ fn feet_stay_above_the_ground_and_impacts_take_energy() {
         let start = ["simulate", "robots/quadruped.urdf", "--base", "floating", "--q", q];
         modyn(&[&start[..], &FEET, &["--time", "0.4", "--step", "0.0005"], more].concat())
     };
-    let (free, found) = (run(&[]), run(&["--ground"]));
+    let (free, found) = (run(&[]), run(&["--ground", "plane(friction = 0.8)"]));
     assert_eq!((free.code, found.code), (0, 0), "{}{}", free.err, found.err);
     let (head, rows) = table(&found.out);
     let [height, dissipated] = ["floating_base.z (m)", "dissipated (J)"].map(|n| column(&head, n));
@@ -236,26 +236,32 @@ fn feet_stay_above_the_ground_and_impacts_take_energy() {
     // The feet hit the ground at 2.5 m/s.
     assert!(depth < 0.06, "{}", found.err);
     assert!(!free.err.contains("deepest"), "{}", free.err);
-    // The default is 0.8; without friction the feet slide apart.
-    assert_eq!(run(&["--ground", "0.8"]).out, found.out);
+    // The default is 1; without friction the feet slide apart.
+    let level = "plane([1, 2, 0], [0, 0, 2], friction = 0.8)";
+    assert_eq!(run(&["--ground", level]).out, found.out);
     // The page draws the ground where it is, although the feet are a little below.
     let folder = tempfile::tempdir().expect("a folder");
     let page = folder.path().join("fall.html").to_string_lossy().into_owned();
-    for (more, ground) in [(&["--ground"][..], serde_json::json!(0)), (&[], Value::Null)] {
+    for (more, ground) in [(&["--ground", "plane"][..], serde_json::json!(0.0)), (&[], Value::Null)]
+    {
         assert_eq!(run(&[more, &["--html", &page]].concat()).code, 0);
         let html = std::fs::read_to_string(&page).expect("a page");
         assert_eq!(common::page_data(&html)["ground"], ground);
     }
-    assert_ne!(run(&["--ground", "0"]).out, found.out);
+    for other in ["plane", "plane(friction = 0)"] {
+        assert_ne!(run(&["--ground", other]).out, found.out);
+    }
 }
 
 /// A floating quadruped starts with its lowest foot on the ground, in any posture. Coordinates that are given take precedence.
 #[test]
 fn a_floating_robot_starts_on_the_ground() {
     let depth = |more: &[&str]| {
-        let start = ["simulate", "robots/quadruped.urdf", "--base", "floating", "--ground"];
-        let found =
-            modyn(&[&start[..], &FEET, &["--time", "1e-6", "--step", "1e-6"], more].concat());
+        let ground = ["--ground", "plane"];
+        let start = ["simulate", "robots/quadruped.urdf", "--base", "floating"];
+        let found = modyn(
+            &[&start[..], &ground, &FEET, &["--time", "1e-6", "--step", "1e-6"], more].concat(),
+        );
         assert_eq!(found.code, 0, "{}", found.err);
         let (head, rows) = table(&found.out);
         let depth = found.err.split("deepest contact is ").nth(1).expect("a depth");
@@ -354,13 +360,17 @@ fn efforts_beyond_the_limits_are_reduced() {
 }
 
 #[test]
-fn ground_without_contacts_is_refused() {
+fn ground_that_nothing_touches_is_refused() {
     let floating = ["simulate", "robots/quadruped.urdf", "--base", "floating"];
-    let none = modyn(&[&floating[..], &["--ground"]].concat());
+    let none = modyn(&[&floating[..], &["--ground", "plane"]].concat());
     assert_eq!(none.code, 2);
     assert!(none.err.contains("--contacts"), "{}", none.err);
-    let negative = modyn(&[&floating[..], &FEET, &["--ground=-1"]].concat());
-    assert_eq!(negative.code, 2);
+    for wrong in ["-1", "plane(friction = -1)", "plane([0, 0, 0])", "wall", "plane(rough = 1)"] {
+        let refused = modyn(&[&floating[..], &FEET, &["--ground", wrong]].concat());
+        assert_ne!(refused.code, 0, "{wrong}");
+        let why = ["expected `plane`", "the friction of the ground"];
+        assert!(why.iter().any(|why| refused.err.contains(why)), "{}", refused.err);
+    }
     // Loops stay closed in steps with joint limits.
     let closed = modyn(&[
         "simulate",
@@ -405,8 +415,8 @@ fn a_scene_moves_on_its_floor() {
     let forces: Vec<f64> =
         serde_json::from_value(forces.expect("forces").clone()).expect("numbers");
     assert!((forces[2] - 0.2).abs() < 2e-3 && forces[5] > 5.0, "{forces:?}");
-    let more = run(&["--ground"]);
-    assert!(more.code == 2 && more.err.contains("leave `--ground` out"), "{}", more.err);
+    let more = run(&["--ground", "plane"]);
+    assert!(more.code == 1 && more.err.contains("leave the option out"), "{}", more.err);
     let adaptive = run(&["--tolerance", "1e-6"]);
     assert!(adaptive.err.contains("does not touch its floor"), "{}", adaptive.err);
 }

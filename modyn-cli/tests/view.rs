@@ -86,6 +86,7 @@ fn contact_forces_carry_the_weight() {
         "--contacts",
         contacts,
         "--ground",
+        "plane",
         "--time",
         "1",
         "--html",

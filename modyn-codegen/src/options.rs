@@ -132,6 +132,13 @@ macro_rules! option_table {
                     contacts: Vec<Contact>, field => field.extend(contacts),
                     "[\"name\": type(\"link\", [x, y, z]), \
                      ...]", "the description's", "[\"fingertip\": point(\"hand\", [0, 0, 0.2])]";
+                /// The ground that collision shapes touch in the function `step`: a plane by a point
+                /// (m) and the normal away from the ground, `plane` for z = 0. `friction = 0.8` at
+                /// the end is the coefficient of all contacts, in place of the description's. If
+                /// there are contacts, their points touch the plane, and shapes do not.
+                "ground" ground(ground: Ground)
+                    ground: Option<Ground>, field => *field = Some(ground),
+                    "plane | plane([x, y, z], [nx, ny, nz])", "the planes in the world of an SDF or an MJCF", "plane([0, 0, 0.1], [0, 0, 1])";
                 /// The damping and friction of the description that act on the joints.
                 "friction" friction(friction: Friction)
                     friction: Option<Friction>, field => *field = Some(friction),

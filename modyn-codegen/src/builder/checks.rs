@@ -85,6 +85,13 @@ impl Builder {
                 "set them with `Model::with_contacts`".into(),
             );
         }
+        if matches!(self.source, Source::Model(_)) && self.options.read.ground.is_some() {
+            error(
+                Code::Option,
+                "a model that is given as one has its own ground".into(),
+                "set it with `Model::with_soft_constraints`".into(),
+            );
+        }
         let read = &self.options.read;
         let of_reading = [
             ("base", read.base != Base::default()),

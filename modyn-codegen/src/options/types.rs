@@ -1,7 +1,7 @@
 //! The types of options: how each is read from a value and written as a Rust argument.
 
 use modyn_read::diagnostics::Severity;
-use modyn_read::{Base, Contact, Loop, LoopEnd, Mimic, Package, Rotor, XacroArg};
+use modyn_read::{Base, Contact, Ground, Loop, LoopEnd, Mimic, Package, Rotor, XacroArg};
 use modyn_runtime::model::{ContactKind, Friction, LoopConstraintKind};
 
 use super::value::{OptionError, Value, ValueKind};
@@ -275,6 +275,44 @@ pub(super) fn pair<'v>(
     match &value.kind {
         ValueKind::Pair(name, value) => Ok((String::read(name)?, value)),
         _ => Err(OptionError::form(value.at, expected)),
+    }
+}
+
+/// `plane`, or `plane([x, y, z], [nx, ny, nz])`; `friction = coefficient` may be the last argument.
+impl OptionValue for Ground {
+    fn read(value: &Value) -> Result<Self, OptionError> {
+        let expected = "expected `plane` or `plane([x, y, z], [nx, ny, nz])`, and perhaps \
+                        `friction = 0.8` as the last argument";
+        let (name, arguments) = match &value.kind {
+            ValueKind::Word(name) => (name, &[][..]),
+            ValueKind::Call(name, arguments) => (name, arguments.as_slice()),
+            _ => return Err(OptionError::form(value.at, expected)),
+        };
+        if name != "plane" {
+            return Err(OptionError::form(value.at, expected));
+        }
+        let (place, friction) = match arguments {
+            [place @ .., last] if matches!(last.kind, ValueKind::Pair(..)) => {
+                let (name, coefficient) = pair(last, expected)?;
+                if name != "friction" {
+                    return Err(OptionError::form(last.at, expected));
+                }
+                (place, Some(f64::read(coefficient)?))
+            }
+            place => (place, None),
+        };
+        let ground = match place {
+            [] => Self::default(),
+            [point, normal] => Self::plane(<[f64; 3]>::read(point)?, <[f64; 3]>::read(normal)?),
+            _ => return Err(OptionError::form(value.at, expected)),
+        };
+        Ok(friction.map_or(ground, |friction| ground.with_friction(friction)))
+    }
+
+    fn rust(&self) -> String {
+        let plane = format!("Ground::plane({:?}, {:?})", self.point, self.normal);
+        self.friction
+            .map_or(plane.clone(), |friction| format!("{plane}.with_friction({friction:?})"))
     }
 }
 

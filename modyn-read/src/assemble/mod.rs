@@ -80,7 +80,7 @@ fn model(
         }
     }
     check::inertia::densities(&bodies, &links, report);
-    let acts_in_steps = description.soft.is_some();
+    let acts_in_steps = description.soft.as_ref().is_some_and(|soft| soft.joint_friction);
     check::motion::inactive_friction(&bodies, options.friction, acts_in_steps, report);
     let carriers: Vec<_> = place.iter().map(|(carrier, _)| *carrier).collect();
     let loop_constraints = loops::loop_constraints(description, &carriers, report);
@@ -116,7 +116,7 @@ fn model(
         .and_then(|model| if errors > 0 { Ok(model) } else { model.with_contacts(contacts) })
         .and_then(|model| if errors > 0 { Ok(model) } else { model.with_actuation(actuation) })
         .and_then(|model| {
-            let soft = soft::constraints(description, options, &carriers, &model);
+            let soft = soft::constraints(description, options, &carriers, &model, report);
             if errors > 0 { Ok(model) } else { model.with_soft_constraints(soft) }
         })
         .and_then(|model| {

@@ -4,6 +4,7 @@ use modyn_runtime::model::{JointSoftness, LoopSoftness, Model, SoftConstraints};
 use rustc_hash::FxHashMap;
 
 use crate::description::{Description, ReadOptions};
+use crate::diagnostics::{Code, Report, Severity};
 
 /// Returns the soft constraints of the model. `carriers` has, for each link of the description, the
 /// moving link that carries it.
@@ -12,10 +13,17 @@ pub fn constraints(
     options: &ReadOptions,
     carriers: &[Option<usize>],
     model: &Model,
+    report: &mut Report<'_>,
 ) -> SoftConstraints {
-    let Some(mut soft) = description.soft.clone() else { return SoftConstraints::default() };
+    let mut soft = description.soft.clone().unwrap_or_default();
+    soft.ground = options.ground.map(|ground| ground.surface());
     soft.joint_friction &= options.friction.is_none();
     soft.shapes.retain(|shape| carriers[shape.end.frame].is_some());
+    if options.ground.is_some() && soft.shapes.is_empty() && model.contacts().is_empty() {
+        let message = "nothing touches the ground: no link that moves has a shape for contacts";
+        let help = "describe collision shapes of the links, name `contacts`, or let the base float";
+        report.add(Severity::Warning, Code::Option, description.at, None, message, help);
+    }
     let links = model.links().iter().enumerate();
     let joints: FxHashMap<&str, usize> =
         links.map(|(joint, link)| (link.joint.name.as_str(), joint)).collect();

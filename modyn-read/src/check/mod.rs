@@ -13,8 +13,8 @@ pub use conditioning::warning as conditioning_warning;
 pub use conditioning::{MAX_CONDITION_F32, condition_number};
 use modyn_runtime::model::{Inertial, JointDynamics, Model};
 use modyn_runtime::spatial::Pose;
-pub(crate) use options::friction_error;
 pub use options::gravity_error;
+pub(crate) use options::{friction_error, ground_error};
 pub use singular::singular_joints as joints_without_inertia;
 
 use crate::description::MAX_NUMBER;

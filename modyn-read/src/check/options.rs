@@ -2,7 +2,7 @@
 
 use modyn_runtime::model::Friction;
 
-use crate::description::MAX_NUMBER;
+use crate::description::{Ground, MAX_NUMBER};
 use crate::diagnostics::{Code, Diagnostic};
 
 /// Returns the error of an acceleration of free fall that is not finite, or too large to compute
@@ -27,4 +27,29 @@ pub fn friction_error(friction: Friction) -> Option<Diagnostic> {
     let help = "give a finite velocity above 0 in rad/s or m/s, such as 0.01";
     let good = width > 0.0 && width < MAX_NUMBER;
     (!good).then(|| Diagnostic::error(Code::Option, message).with_help(help))
+}
+
+/// Returns the error of an invalid ground.
+pub fn ground_error(ground: Ground) -> Option<Diagnostic> {
+    let Ground { point, normal, friction } = ground;
+    let is_sound = |x: &f64| x.abs() < MAX_NUMBER;
+    let [message, help] = if !point.iter().chain(&normal).all(is_sound) {
+        [
+            "a number of the ground is not finite, or too large to compute with",
+            "write the point in m",
+        ]
+    } else if normal == [0.0; 3] {
+        [
+            "the normal of the ground is zero",
+            "write the direction away from the ground, such as [0, 0, 1]",
+        ]
+    } else if !friction.is_none_or(|friction| is_sound(&friction) && friction >= 0.0) {
+        [
+            "the friction of the ground is not a finite number of at least 0",
+            "write a coefficient such as 0.8",
+        ]
+    } else {
+        return None;
+    };
+    Some(Diagnostic::error(Code::Option, message).with_help(help))
 }

@@ -2,9 +2,11 @@
 
 use std::path::PathBuf;
 
+use modyn_runtime::ContactSurface;
 use modyn_runtime::model::{ContactKind, Friction, LoopConstraintKind};
 
 use super::file_store::FileStore;
+use super::geometry::{contact_plane, normalized};
 use crate::diagnostics::Severity;
 
 /// The options of reading.
@@ -35,6 +37,9 @@ pub struct ReadOptions {
     pub loops: Vec<Loop>,
     /// The frames of links that can touch the world.
     pub contacts: Vec<Contact>,
+    /// The ground that the shapes of the description touch in steps; with contacts, the ground that
+    /// their points touch. `None`: shapes touch the planes of the description, points the plane z = 0.
+    pub ground: Option<Ground>,
     /// The folders of ROS packages, for `$(find ...)` and `package://`.
     pub packages: Vec<Package>,
     /// The arguments of a xacro, in place of its defaults.
@@ -160,4 +165,50 @@ pub struct Contact {
     pub kind: ContactKind,
     /// The frame, on a link that moves.
     pub end: LoopEnd,
+}
+
+/// A plane that a robot touches in steps.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Ground {
+    /// A point of the plane, m.
+    pub point: [f64; 3],
+    /// The normal of the plane, away from the ground; of any length.
+    pub normal: [f64; 3],
+    /// The coefficient of friction of all contacts with the plane; `None`: the coefficients of the
+    /// description, else 1.
+    pub friction: Option<f64>,
+}
+
+impl Default for Ground {
+    /// Returns the plane z = 0.
+    fn default() -> Self {
+        Self::plane([0.0; 3], [0.0, 0.0, 1.0])
+    }
+}
+
+impl Ground {
+    /// Returns the plane through a point (m) with a normal, which points away from the ground and
+    /// has any length.
+    #[must_use]
+    pub fn plane(point: [f64; 3], normal: [f64; 3]) -> Self {
+        Self { point, normal, friction: None }
+    }
+
+    /// Returns the ground with this coefficient of friction of all contacts.
+    #[must_use]
+    pub fn with_friction(self, friction: f64) -> Self {
+        Self { friction: Some(friction), ..self }
+    }
+
+    /// Returns the surface of a contact with the ground.
+    pub(crate) fn surface(&self) -> ContactSurface<f64> {
+        let normal = normalized(self.normal).map_or([0.0, 0.0, 1.0], |(normal, _)| normal);
+        let default = ContactSurface::<f64>::GROUND;
+        ContactSurface {
+            plane: contact_plane(self.point, normal),
+            friction: self.friction.unwrap_or(default.friction),
+            ..default
+        }
+    }
 }

@@ -10,9 +10,13 @@ mod geometry;
 mod shape;
 mod taken_names;
 
-pub use choices::{Base, Contact, Loop, LoopEnd, Mimic, Package, ReadOptions, Rotor, XacroArg};
+pub use choices::{
+    Base, Contact, Ground, Loop, LoopEnd, Mimic, Package, ReadOptions, Rotor, XacroArg,
+};
 pub use file_store::FileStore;
-pub use geometry::{MAX_NUMBER, UNLIMITED, are_parallel, normalized, roll_pitch_yaw};
+pub use geometry::{
+    MAX_NUMBER, UNLIMITED, are_parallel, contact_plane, cross, normalized, roll_pitch_yaw,
+};
 pub use shape::{Geometry, Mesh, Shape, Shapes};
 pub use taken_names::TakenNames;
 

@@ -8,6 +8,7 @@
 //! has the formats: the macro, the builder, the command and the Python package find a text's format
 //! by [`Format::of`].
 
+mod collision;
 pub mod file;
 mod mesh;
 pub(crate) mod mjcf;
@@ -23,7 +24,7 @@ use std::path::{Path, PathBuf};
 use modyn_runtime::model::{Friction, Model};
 
 use crate::assemble::assemble;
-use crate::check::{check_model, friction_error, gravity_error};
+use crate::check::{check_model, friction_error, gravity_error, ground_error};
 use crate::description::{Base, Description, ReadOptions, Shapes};
 use crate::diagnostics::{Code, Diagnostic, Diagnostics, Report, Severity};
 pub use packages::PACKAGE_PATHS;
@@ -177,12 +178,16 @@ impl Format {
         let mut options = options.clone();
         let gravity = options.gravity.and_then(gravity_error);
         let friction = options.friction.and_then(friction_error);
+        let ground = options.ground.and_then(ground_error);
         // Reading continues without it, to find other errors.
         if gravity.is_some() {
             options.gravity = None;
         }
         if friction.is_some() {
             options.friction = Some(Friction::None);
+        }
+        if ground.is_some() {
+            options.ground = None;
         }
         let mut shapes = Shapes::default();
         let model = xml::document::within_limits(text, 0, &mut report)
@@ -196,7 +201,7 @@ impl Format {
                 let base = if is_connected { Base::Described } else { options.base };
                 assemble(description, &ReadOptions { base, ..options.clone() }, &mut report)
             });
-        let of_options = gravity.into_iter().chain(friction);
+        let of_options = gravity.into_iter().chain(friction).chain(ground);
         let files = report.take_dependencies();
         let diagnostics = Diagnostics::new(report.finish().into_iter().chain(of_options).collect());
         match model {
@@ -307,7 +312,7 @@ pub fn read_urdf(text: &str, file: &str, options: &ReadOptions) -> Result<Readin
 ///   needed.
 /// - Constraints of `<equality>` are exact: mimic joints and loops.
 /// - Gravity is the gravity of `<option>`, unless the options set another one.
-/// - Contacts, sensors and visual elements are ignored. Controllers of actuators do not act, with a
+/// - Sensors and visual elements are ignored. Geoms touch planes of the world in steps. Controllers of actuators do not act, with a
 ///   warning. Springs of joints and `gravcomp` act. Damping and friction act if the options say so,
 ///   as in a URDF.
 ///

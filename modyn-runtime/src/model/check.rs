@@ -227,8 +227,9 @@ pub(super) fn check_contacts(model: &Model) -> Vec<ModelError> {
 /// Returns all defects of the soft constraints of a `model` that is sound without them.
 pub(super) fn check_soft_constraints(model: &Model) -> Vec<ModelError> {
     let mut errors = Vec::new();
+    let soft = &model.soft_constraints;
     let SoftConstraints { impratio, shapes, joints, loops, tendons, couplings, references, .. } =
-        &model.soft_constraints;
+        soft;
     for shape in shapes {
         let mut report = |kind| errors.push(ModelError { name: shape.name.clone(), kind });
         match model.frames.get(shape.end.frame) {
@@ -250,7 +251,8 @@ pub(super) fn check_soft_constraints(model: &Model) -> Vec<ModelError> {
             report(ModelErrorKind::TouchingShape);
         }
     }
-    if !impratio.is_none_or(|impratio| impratio.is_finite() && impratio > 0.0) {
+    let is_ground_sound = soft.ground.is_none_or(|surface| surface.check().is_ok());
+    if !impratio.is_none_or(|impratio| impratio.is_finite() && impratio > 0.0) || !is_ground_sound {
         errors.push(ModelError { name: model.name.clone(), kind: ModelErrorKind::TouchingShape });
     }
     for softness in joints {

@@ -26,6 +26,9 @@ pub struct SoftConstraints {
     pub impratio: Option<f64>,
     /// The shapes that touch the ground.
     pub shapes: Vec<TouchingShape>,
+    /// The ground that the points of the contacts touch, and the law of these contacts; `None`:
+    /// [`ContactSurface::GROUND`].
+    pub ground: Option<ContactSurface<f64>>,
     /// The softness of joints whose softness is not `MuJoCo`'s default.
     pub joints: Vec<JointSoftness>,
     /// The softness of loop constraints whose softness is not `MuJoCo`'s default.
@@ -50,6 +53,7 @@ impl Default for SoftConstraints {
             cone: Cone::default(),
             impratio: None,
             shapes: Vec::new(),
+            ground: None,
             joints: Vec::new(),
             loops: Vec::new(),
             tendons: Vec::new(),
@@ -258,12 +262,13 @@ impl Model {
         if self.contacts.is_empty() {
             return self.soft_constraints.shapes.clone();
         }
+        let surface = self.soft_constraints.ground.unwrap_or_default();
         let points = self.contacts.iter().map(|contact| TouchingShape {
             name: contact.name.clone(),
             end: contact.end.clone(),
             shape: ContactShape::Point,
             components: ContactComponents::Sliding,
-            surface: ContactSurface::<f64>::GROUND,
+            surface,
             power: 2,
         });
         points.collect()

@@ -38,11 +38,12 @@ const MAX_SAMPLES: f64 = 1e6;
 
 /// Simulate a robot in free fall, or under joint forces from a file
 ///
-/// Loops are closed before the start if they are nearly closed, and stay closed. The geoms of an MJCF
-/// touch its floor, by steps of MuJoCo's law, in which its joint limits act, too; without `--q`, the
-/// lowest geom of a floating robot starts on the floor. Other robots touch the ground with
-/// `--ground`, and their joint limits act with `--limits`. Without `--csv`, `--plot` and `--html` the
-/// table is written to standard output.
+/// Loops are closed before the start if they are nearly closed, and stay closed. Shapes touch the
+/// floor of an MJCF or an SDF, or the plane of `--ground`, by steps of MuJoCo's law, in which joint
+/// limits act, too. With `--ground`, points of `--contacts` touch it in place of the shapes. Without
+/// `--q`, the lowest shape or point of a floating robot starts on the floor. Other robots fall
+/// freely, and their joint limits act with `--limits`. Without `--csv`, `--plot` and `--html` the table
+/// is written to standard output.
 ///
 /// The exit code is 1 if the description is rejected or the motion diverges.
 #[derive(Args)]
@@ -69,10 +70,6 @@ pub struct Arguments {
     /// Start at random coordinates within the limits
     #[arg(long, value_name = "SEED", conflicts_with = "q")]
     random: Option<u64>,
-    /// Let the points of `--contacts` touch the ground, the plane z = 0, with this coefficient of
-    /// friction; without `--q` the lowest point of a floating robot starts on it
-    #[arg(long, value_name = "FRICTION", num_args = 0..=1, default_missing_value = "0.8", value_parser = not_negative)]
-    ground: Option<f64>,
     /// Stop joints softly at their limits, and keep joint forces within the effort limits
     #[arg(long)]
     limits: bool,
@@ -169,12 +166,6 @@ impl Arguments {
     fn contacts(&self, model: &Model) -> Result<Options, Failure> {
         if let Some(scene) = Options::of_scene(model) {
             let name = sanitize_for_display(model.name());
-            if self.ground.is_some() {
-                return Err(Failure::usage(format!(
-                    "error: `--ground` is for points of `--contacts`, and the shapes of `{name}` touch its own \
-                     floor: leave `--ground` out"
-                )));
-            }
             if self.tolerance.is_none() {
                 return Ok(scene);
             }
@@ -182,14 +173,20 @@ impl Arguments {
                 "note: `{name}` does not touch its floor: steps by a `--tolerance` have no contacts\n"
             ));
         }
-        if self.ground.is_some() && model.contacts().is_empty() {
+        if self.has_ground() && model.contacts().is_empty() {
             return Err(Failure::usage(
-                "error: `--ground` needs the points that touch it: add `--contacts 'foot: point(LINK)'` for each"
+                "error: `--ground` needs shapes or points that touch it: describe the `<collision>`s of links that move, \
+                 or add `--contacts 'foot: point(LINK)'` for each point"
                     .to_string(),
             ));
         }
-        let ground = self.ground.map_or(Ground::None, Ground::Plane);
+        let ground = if self.has_ground() { Ground::Described } else { Ground::None };
         Ok(Options { ground, limits: if self.limits { Limits::Act } else { Limits::None } })
+    }
+
+    /// Returns whether the option `ground` is given.
+    fn has_ground(&self) -> bool {
+        self.robot.options.read_options().ground.is_some()
     }
 
     fn start(&self, model: &Model) -> Result<(Vec<f64>, Vec<f64>), Failure> {
@@ -206,7 +203,7 @@ impl Arguments {
         let q = given("q", &self.q, model.coordinate_names())?;
         let given = given("qd", &self.qd, model.velocity_names())?;
         let qd = given.unwrap_or_else(|| vec![0.0; model.nv()]);
-        let touches = self.ground.is_some() || Options::of_scene(model).is_some();
+        let touches = self.has_ground() || Options::of_scene(model).is_some();
         let is_placed = q.is_some() || !touches;
         let mut q = motion::place(model, q, self.random)?;
         if !is_placed {
@@ -278,13 +275,6 @@ fn positive(text: &str) -> Result<f64, String> {
     match numbers(text)?.as_slice() {
         &[x] if x > 0.0 => Ok(x),
         _ => Err("expected a number above 0".into()),
-    }
-}
-
-fn not_negative(text: &str) -> Result<f64, String> {
-    match numbers(text)?.as_slice() {
-        &[x] if x >= 0.0 => Ok(x),
-        _ => Err("expected a number that is not negative".into()),
     }
 }
 

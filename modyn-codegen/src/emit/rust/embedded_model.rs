@@ -155,10 +155,10 @@ fn soft_constraints(model: &Model) -> String {
          LoopSoftness, SoftConstraints, SoftCoupling, SoftTendon, Softness, TendonJoint, TendonSpring, \
          TouchingShape}};\n            \
          model.with_soft_constraints(SoftConstraints {{ cone: Cone::{:?}, impratio: {:?}, \
-         shapes: {shapes}.into(), joints: {joints}.into(), loops: {loops}.into(), \
+         shapes: {shapes}.into(), ground: {:?}, joints: {joints}.into(), loops: {loops}.into(), \
          tendons: {tendons}.into(), couplings: {couplings}.into(), \
          references: {references:?}.into(), joint_limits: {}, joint_friction: {} }})\n        }})\n        ",
-        soft.cone, soft.impratio, soft.joint_limits, soft.joint_friction
+        soft.cone, soft.impratio, soft.ground, soft.joint_limits, soft.joint_friction
     )
 }
 

@@ -1,6 +1,7 @@
 //! Meshes in files: STL, Wavefront OBJ, COLLADA, and the format of `MuJoCo`.
 
 mod dae;
+pub mod hull;
 mod obj;
 mod stl;
 

@@ -53,6 +53,19 @@ pub struct Contact {
 /// `MuJoCo`'s default.
 const FRICTION: [f64; 3] = [1.0, 0.005, 0.0001];
 
+impl Default for Law {
+    fn default() -> Self {
+        let contact = Contact {
+            components: ContactComponents::default(),
+            friction: FRICTION,
+            margin: 0.0,
+            reference: REFERENCE,
+            impedance: IMPEDANCE,
+        };
+        Self { types: [1, 1], priority: 0.0, weight: 1.0, contact }
+    }
+}
+
 impl Law {
     pub fn of(geom: &Item, report: &mut Report<'_>) -> Self {
         let number = |name: &str, default: f64| geom.number(name).unwrap_or(default);
@@ -191,6 +204,12 @@ impl ContactOverride {
 }
 
 impl Contact {
+    /// Returns the contact with this coefficient of sliding friction, if there is one.
+    pub fn with_friction(self, friction: Option<f64>) -> Self {
+        let [sliding, torsional, rolling] = self.friction;
+        Self { friction: [friction.unwrap_or(sliding), torsional, rolling], ..self }
+    }
+
     pub fn surface(&self, plane: Pose<f64>, radius: f64) -> ContactSurface<f64> {
         let [friction, torsional_friction, rolling_friction] = self.friction.map(|x| x.max(0.0));
         let [least, most, width, midpoint, _] = self.impedance;

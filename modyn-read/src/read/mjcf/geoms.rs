@@ -13,6 +13,7 @@ use super::models::Model;
 use super::pose::to_z_axis;
 use crate::description::{Geometry, Shape, normalized};
 use crate::diagnostics::Report;
+use crate::read::collision::Touching;
 
 /// The default density, the density of water, kg/m^3.
 const DENSITY: f64 = 1000.0;
@@ -165,12 +166,6 @@ pub fn shape<'e>(
         return Err("its `size` must be above 0".into());
     }
     Ok(Some(Shape { pose, geometry, color }))
-}
-
-/// A shape for contacts, and the radius of its rounding.
-pub struct Touching {
-    pub shape: ContactShape<f64>,
-    pub radius: f64,
 }
 
 /// Returns the pose of a geom in its body, and its shape for contacts.

@@ -64,7 +64,7 @@ pub fn describe(text: &str, options: &ReadOptions, report: &mut Report<'_>) -> O
     bodies.fluids(options.unread_forces);
     bodies.tendons(options);
     bodies.hold_tendons();
-    bodies.soft_constraints();
+    bodies.soft_constraints(options);
     let mut description = bodies.description;
     let error = description.gravity.and_then(gravity_error).filter(|_| options.gravity.is_none());
     if let Some(error) = error {

@@ -5,7 +5,7 @@ use modyn_runtime::spatial::Pose;
 
 use super::item::Item;
 use super::settings::Settings;
-use crate::description::normalized;
+use crate::description::{cross, normalized};
 use crate::diagnostics::{Code, Report};
 
 impl Item<'_> {
@@ -114,9 +114,4 @@ pub fn relative(from: &Pose<f64>, pose: &Pose<f64>) -> Pose<f64> {
     let inverse = Pose { rotation, translation: [0.0; 3] };
     let translation = inverse.transform_point(from.translation).map(|x| -x);
     Pose { translation, ..inverse }.compose(pose)
-}
-
-/// Returns the cross product.
-pub fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }

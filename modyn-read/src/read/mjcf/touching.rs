@@ -3,25 +3,39 @@
 use std::collections::{HashMap, HashSet};
 
 use modyn_runtime::model::{JointReference, LoopConstraintEnd, SoftConstraints, TouchingShape};
-use modyn_runtime::spatial::{Matrix3, Pose, Vector3};
+use modyn_runtime::spatial::{Matrix3, Pose};
 
 use super::bodies::Bodies;
 use super::check::list;
 use super::contact_law::{Carrier, Contact, Geom, Law, Pair, is_anisotropic, power};
-use super::geoms::{self, Touching};
+use super::geoms;
 use super::item::Item;
-use crate::description::{Description, Kind, Located, TakenNames};
+use crate::description::{
+    self, Description, Kind, Located, ReadOptions, TakenNames, contact_plane,
+};
 use crate::diagnostics::{Code, Place};
-
-/// The largest number of shapes that touch the ground.
-const MAX_SHAPES: usize = 1_000;
+use crate::read::collision::{MAX_SHAPES, Touching};
 
 /// A plane or a height field of the world.
 struct Ground<'a, 'e> {
-    geom: &'a Geom<'e>,
+    /// The geom; `None` for the plane of the options.
+    geom: Option<&'a Geom<'e>>,
     is_field: bool,
+    /// The coefficient of friction that replaces the friction of the geoms.
+    friction: Option<f64>,
     /// The pose of a plane, with the axes of `MuJoCo`'s contacts.
     pose: Pose<f64>,
+}
+
+/// The name of the body that does not move.
+const WORLD: &str = "world";
+
+impl Ground<'_, '_> {
+    /// Returns the plane of the options.
+    fn of_option(ground: &description::Ground) -> Self {
+        let pose = ground.surface().plane;
+        Self { geom: None, is_field: false, friction: ground.friction, pose }
+    }
 }
 
 impl<'e> Bodies<'e, '_, '_> {
@@ -45,7 +59,7 @@ impl<'e> Bodies<'e, '_, '_> {
 
     /// Adds the shapes that touch planes to the description, and warns of what else acts in
     /// `MuJoCo`'s steps.
-    pub fn soft_constraints(&mut self) {
+    pub fn soft_constraints(&mut self, options: &ReadOptions) {
         let settings = &self.models[0].settings;
         let mut soft = SoftConstraints {
             cone: settings.cone,
@@ -55,25 +69,31 @@ impl<'e> Bodies<'e, '_, '_> {
             ..SoftConstraints::default()
         };
         let geoms = std::mem::take(&mut self.geoms);
-        let mut grounds = Vec::new();
+        // Contacts of the options replace the shapes.
+        let given = options.ground.filter(|_| options.contacts.is_empty());
+        let mut grounds: Vec<Ground> = given.iter().map(Ground::of_option).collect();
         for geom in geoms.iter().filter(|geom| !geom.carrier.moves) {
             let pose = geom.item.pose(&self.models[geom.item.model].settings, self.report);
             let is_field = geom.item.text("type") == Some("hfield");
-            let pose = plane(&geom.carrier.drawn.compose(&pose));
-            grounds.push(Ground { geom, is_field, pose });
+            let drawn = geom.carrier.drawn.compose(&pose);
+            let normal = Matrix3(drawn.rotation).column(2);
+            let pose = contact_plane(drawn.translation, normal.0);
+            grounds.push(Ground { geom: Some(geom), is_field, friction: None, pose });
         }
         if settings.overriding.is_some_and(|given| is_anisotropic(&given.friction)) {
             self.ignored.anisotropic.push((None, None));
         }
         let rules = self.rules();
+        let mut planes = Vec::new();
         let mut names = TakenNames::default();
         for geom in geoms.iter().filter(|geom| geom.carrier.moves) {
             for ground in &grounds {
-                let Some(contact) = rules.contact(geom, ground.geom) else { continue };
-                if ground.is_field {
-                    self.ignored.fields.push(place(&ground.geom.item));
+                let Some(contact) = rules.contact(geom, ground) else { continue };
+                if let Some(field) = ground.geom.filter(|_| ground.is_field) {
+                    self.ignored.fields.push(place(&field.item));
                     continue;
                 }
+                planes.extend(ground.geom.map(|plane| place(&plane.item)));
                 let shape = self.shape(geom, contact, ground);
                 soft.shapes.extend(shape.map(|shape| {
                     let name = match geom.item.name() {
@@ -94,6 +114,12 @@ impl<'e> Bodies<'e, '_, '_> {
         }
         let references = self.references.iter().enumerate();
         let references = references.filter(|(_, reference)| reference.drawn != 0.0);
+        if let (Some(_), Some((at, _))) = (given, planes.first()) {
+            let message =
+                "the option `ground` adds a plane, and the file has one that the robot touches";
+            let help = "leave the option out, or remove the plane from the file";
+            self.report.error(Code::Option, *at, None, message, help);
+        }
         soft.references = references
             .map(|(joint, reference)| JointReference { joint, coordinate: reference.drawn })
             .collect();
@@ -172,10 +198,11 @@ impl<'e> Bodies<'e, '_, '_> {
             }
         };
         let is_set = |item: &&Item| ["adhesion", "surfacevel"].iter().any(|name| item.sets(name));
-        let unread = [item, &ground.geom.item].into_iter().filter(is_set);
+        let unread = std::iter::once(item).chain(ground.geom.map(|geom| &geom.item)).filter(is_set);
         self.ignored.parameters.extend(unread.map(place));
         let overriding = self.models[0].settings.overriding;
         let contact = overriding.map_or(contact, |overriding| overriding.replaced(contact));
+        let contact = contact.with_friction(ground.friction);
         Some(TouchingShape {
             name: String::new(),
             end: LoopConstraintEnd { frame: geom.carrier.link, pose },
@@ -203,7 +230,7 @@ impl<'e> Bodies<'e, '_, '_> {
                 rules.pairs.push(Pair::of(&item, self.report));
             } else {
                 let body = |attribute: &str| match item.text(attribute) {
-                    Some("world") => "world".to_owned(),
+                    Some(WORLD) => WORLD.to_owned(),
                     name => item.naming.name(name.unwrap_or_default()),
                 };
                 rules.excluded.insert(["body1", "body2"].map(body));
@@ -226,24 +253,29 @@ struct Rules {
 }
 
 impl Rules {
+    /// Returns the contact of a geom with a ground; `None` if they do not touch.
+    fn contact(&self, geom: &Geom, ground: &Ground) -> Option<Contact> {
+        if let Some(plane) = ground.geom {
+            return self.contact_of_geoms(geom, plane);
+        }
+        let law = Law::default();
+        let bodies = [geom.carrier.body.clone(), WORLD.to_owned()];
+        let is_excluded = self.excludes(bodies);
+        (!is_excluded && geom.law.touches(&law)).then(|| geom.law.mixed(&law))
+    }
+
+    /// Returns whether two bodies do not touch each other.
+    fn excludes(&self, [first, second]: [String; 2]) -> bool {
+        let reversed = [second.clone(), first.clone()];
+        self.excluded.contains(&[first, second]) || self.excluded.contains(&reversed)
+    }
+
     /// Returns the contact of two geoms; `None` if they do not touch.
-    fn contact(&self, a: &Geom, b: &Geom) -> Option<Contact> {
+    fn contact_of_geoms(&self, a: &Geom, b: &Geom) -> Option<Contact> {
         if let Some(pair) = self.pairs.iter().find(|pair| pair.is_of(a, b)) {
             return Some(pair.contact([&a.law, &b.law]));
         }
-        let bodies = [[a, b], [b, a]].map(|geoms| geoms.map(|geom| geom.carrier.body.clone()));
-        let is_excluded = bodies.iter().any(|bodies| self.excluded.contains(bodies));
+        let is_excluded = self.excludes([a, b].map(|geom| geom.carrier.body.clone()));
         (!is_excluded && a.law.touches(&b.law)).then(|| a.law.mixed(&b.law))
     }
-}
-
-/// Returns the pose of a plane with the axes of `MuJoCo`'s contacts with it: the x axis is
-/// the first tangent.
-fn plane(ground: &Pose<f64>) -> Pose<f64> {
-    let normal = Matrix3(ground.rotation).column(2);
-    let near = Vector3(if normal.0[1].abs() < 0.5 { [0.0, 1.0, 0.0] } else { [0.0, 0.0, 1.0] });
-    let in_plane = near - normal.scale(normal.dot(near));
-    let tangent = in_plane.scale(1.0 / libm::sqrt(in_plane.dot(in_plane)));
-    let axes = [tangent, normal.cross(tangent), normal];
-    Pose { rotation: Matrix3::from_columns(|k| axes[k]).0, translation: ground.translation }
 }

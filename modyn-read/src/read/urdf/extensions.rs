@@ -257,7 +257,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
     }
 
     /// Returns the value of an extension: its attribute `value`, or its text.
-    fn value(&self, node: Node<'a, '_>) -> Attribute<'a> {
+    pub fn value(&self, node: Node<'a, '_>) -> Attribute<'a> {
         attribute(node, "value").unwrap_or_else(|| self.xml.content(node))
     }
 

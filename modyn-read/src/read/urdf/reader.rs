@@ -24,11 +24,13 @@ pub struct Reader<'a, 't, 'r, 'f> {
     pub dropped_inertias: Vec<Place>,
     /// The places of negative effort or velocity limits.
     pub negative_limits: Vec<Place>,
+    /// The places of friction that differs between the tangents of a contact.
+    pub anisotropic: Vec<Place>,
     /// The elements that are not read and may change the dynamics.
     pub unread: Unread,
-    /// The folders of the packages that visuals name.
+    /// The folders of the packages that meshes name.
     pub packages: Packages,
-    /// The meshes of visuals.
+    /// The meshes of visuals and collisions.
     pub surfaces: Surfaces,
     /// The colours of the robot's materials by their names, once a visual needs them; `None` for a
     /// material without a colour.

@@ -25,6 +25,7 @@ pub fn read(robot: Node, options: &ReadOptions, report: &mut Report<'_>) -> Desc
         ignored_quaternions: Vec::new(),
         dropped_inertias: Vec::new(),
         negative_limits: Vec::new(),
+        anisotropic: Vec::new(),
         unread: Unread::default(),
         packages: Packages::default(),
         surfaces: Surfaces::default(),
@@ -75,6 +76,7 @@ pub fn read(robot: Node, options: &ReadOptions, report: &mut Report<'_>) -> Desc
     description.shape_notes = std::mem::take(&mut reader.shape_notes);
     reader.add_world(&mut description);
     reader.extensions(robot, &mut description);
+    reader.collisions(robot, &mut description);
     reader.warn_of_unread_values(&description);
     reader.unread.warn(reader.xml.report);
     description

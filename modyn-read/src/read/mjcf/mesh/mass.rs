@@ -1,7 +1,6 @@
 //! Volume, centre of mass and inertia of a mesh, as `MuJoCo` defines them.
 
-use super::super::pose::cross;
-use crate::description::Mesh;
+use crate::description::{Mesh, cross};
 
 /// The volume (or area) of a mesh, its centre of mass, and its inertia at density one.
 #[derive(Clone)]

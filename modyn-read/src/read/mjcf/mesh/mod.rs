@@ -1,7 +1,6 @@
 //! Meshes: their mass properties, from which geoms get their inertia, and their surfaces for
 //! pictures.
 
-mod hull;
 mod mass;
 
 pub use mass::{MassProperties, Principal, principal_axes};
@@ -17,7 +16,7 @@ use super::models::Model;
 use super::pose::from_quaternion;
 use crate::description::Mesh;
 use crate::diagnostics::Report;
-use crate::read::mesh::{Purpose, checked, read, scaled};
+use crate::read::mesh::{Purpose, checked, hull, read, scaled};
 
 /// The meshes that were read, by the index of their model and their name.
 #[derive(Default)]
@@ -31,9 +30,6 @@ pub struct Meshes<'e> {
 
 /// The corners of a hull, or why they are not known.
 type Corners = Result<Rc<[[f64; 3]]>, String>;
-
-/// The largest number of corners of a hull that touch the ground.
-pub const MAX_CORNERS: usize = 16;
 
 impl<'e> Meshes<'e> {
     /// Returns the volume (or area) and inertia of the mesh of this name.
@@ -52,8 +48,7 @@ impl<'e> Meshes<'e> {
         known.or_insert_with(|| mass_properties(name, model, report).map(Rc::new)).clone()
     }
 
-    /// Returns the corners of the convex hull of the mesh of this name, at most
-    /// [`MAX_CORNERS`].
+    /// Returns the [corners](hull::corners) of the convex hull of the mesh of this name.
     ///
     /// # Errors
     ///
@@ -130,32 +125,10 @@ impl<'e> Asset<'e> {
     }
 }
 
-/// Returns the corners of the convex hull of a mesh; of more than [`MAX_CORNERS`] those that are
-/// farthest from each other.
+/// Returns the corners of the convex hull of a mesh.
 fn corners(name: &str, model: &Model, report: &mut Report<'_>) -> Result<Vec<[f64; 3]>, String> {
     let vertices = Asset::read(name, model, Purpose::Picture, report)?.mesh.vertices;
-    let faces = hull::hull(&vertices).map_err(|why| format!("the mesh `{name}` {why}"))?;
-    let mut indices: Vec<usize> = faces.into_iter().flatten().collect();
-    indices.sort_unstable();
-    indices.dedup();
-    let hull: Vec<[f64; 3]> = indices.into_iter().map(|index| vertices[index]).collect();
-    if hull.len() <= MAX_CORNERS {
-        return Ok(hull);
-    }
-    let square = |a: [f64; 3], b: [f64; 3]| (0..3).map(|k| (a[k] - b[k]) * (a[k] - b[k])).sum();
-    let mut chosen = vec![hull[0]];
-    let mut distances: Vec<f64> = vec![f64::INFINITY; hull.len()];
-    while chosen.len() <= MAX_CORNERS {
-        let last = chosen[chosen.len() - 1];
-        for (distance, point) in distances.iter_mut().zip(&hull) {
-            *distance = distance.min(square(*point, last));
-        }
-        let farthest = (0..hull.len()).max_by(|&a, &b| distances[a].total_cmp(&distances[b]));
-        chosen.push(hull[farthest.unwrap_or_default()]);
-    }
-    // The first corner was any.
-    chosen.remove(0);
-    Ok(chosen)
+    hull::corners(&vertices).map_err(|why| format!("the mesh `{name}` {why}"))
 }
 
 /// Returns the surface of a mesh: the convex hull if its element has vertices alone.

@@ -1,7 +1,40 @@
 //! Convex hulls of points: the quickhull algorithm (Barber, Dobkin and Huhdanpaa 1996).
 
-use super::super::pose::cross;
+use crate::description::cross;
 use crate::work::counted;
+
+/// The largest number of corners of a hull that touch the ground.
+const MAX_CORNERS: usize = 16;
+
+/// Returns the corners of the convex hull of these points; of more than [`MAX_CORNERS`] the corners
+/// that are farthest from each other.
+///
+/// # Errors
+///
+/// Returns what is wrong with the mesh, as the end of a sentence about it.
+pub fn corners(vertices: &[[f64; 3]]) -> Result<Vec<[f64; 3]>, &'static str> {
+    let mut indices: Vec<usize> = hull(vertices)?.into_iter().flatten().collect();
+    indices.sort_unstable();
+    indices.dedup();
+    let hull: Vec<[f64; 3]> = indices.into_iter().map(|index| vertices[index]).collect();
+    if hull.len() <= MAX_CORNERS {
+        return Ok(hull);
+    }
+    let square = |a: [f64; 3], b: [f64; 3]| (0..3).map(|k| (a[k] - b[k]) * (a[k] - b[k])).sum();
+    let mut chosen = vec![hull[0]];
+    let mut distances: Vec<f64> = vec![f64::INFINITY; hull.len()];
+    while chosen.len() <= MAX_CORNERS {
+        let last = chosen[chosen.len() - 1];
+        for (distance, point) in distances.iter_mut().zip(&hull) {
+            *distance = distance.min(square(*point, last));
+        }
+        let farthest = (0..hull.len()).max_by(|&a, &b| distances[a].total_cmp(&distances[b]));
+        chosen.push(hull[farthest.unwrap_or_default()]);
+    }
+    // The first corner was any.
+    chosen.remove(0);
+    Ok(chosen)
+}
 
 /// A triangle of the hull.
 struct Facet {

@@ -1,0 +1,318 @@
+//! The `<collision>`s of URDF and SDF touch the ground as the geoms of the same robot in an MJCF do.
+
+use modyn_read::diagnostics::{Code, Diagnostics};
+use modyn_read::{Base, Contact, ContactKind, FileStore, Ground, LoopEnd, ReadOptions, Reading};
+use modyn_runtime::equations::soft_constraints::StepInput;
+use modyn_runtime::model::{ContactShape, Model, TouchingShape};
+use modyn_runtime::{Interpreter, StepSolutionOutputs};
+
+/// A tilted plane.
+const TILTED: ([f64; 3], [f64; 3]) = ([0.3, -0.2, -0.4], [0.2, 0.6, 1.7]);
+
+/// A mesh of a tetrahedron with a point inside.
+const OBJ: &str = "v 0 0 0\nv 0.1 0 0\nv 0 0.2 0\nv 0 0 0.3\nv 0.01 0.01 0.01\n\
+                   f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\nf 1 2 5\n";
+
+/// The shapes of a floating link, of a link on a joint, and of a link that is fixed to that link.
+const URDF: &str = r#"<robot name="r">
+  <link name="trunk">
+    <inertial><origin xyz="0.01 0.02 0.03"/><mass value="2"/><inertia ixx="0.2" iyy="0.3" izz="0.25" ixy="0" ixz="0" iyz="0"/></inertial>
+    <collision name="hull"><origin xyz="0.1 0.2 0.3" rpy="0.3 -0.4 0.5"/><geometry><box size="0.2 0.4 0.6"/></geometry></collision>
+    <collision><origin xyz="-0.1 0.1 0.2"/><geometry><sphere radius="0.2"/></geometry></collision>
+    <collision><origin rpy="1 0.2 0.1"/><geometry><cylinder radius="0.1" length="0.4"/></geometry></collision>
+  </link>
+  <joint name="hip" type="continuous"><parent link="trunk"/><child link="leg"/><origin xyz="0.2 0 -0.3" rpy="0.1 0.2 0.3"/><axis xyz="0 1 0"/></joint>
+  <link name="leg">
+    <inertial><origin xyz="0 0 -0.1"/><mass value="1"/><inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial>
+    <collision><origin xyz="0 0 -0.2" rpy="0.2 0.7 -0.1"/><geometry><capsule radius="0.1" length="0.4"/></geometry></collision>
+  </link>
+  <joint name="ankle" type="fixed"><parent link="leg"/><child link="foot"/><origin xyz="0.05 0 -0.4" rpy="0.3 0.1 0.2"/></joint>
+  <link name="foot">
+    <collision><origin xyz="0.1 0 0" rpy="0 0.3 0"/><geometry><mesh filename="part.obj" scale="1 2 -1"/></geometry></collision>
+  </link>
+</robot>"#;
+
+/// The same robot.
+const MJCF: &str = r#"<mujoco model="r"><compiler angle="radian" eulerseq="XYZ"/>
+  <asset><mesh name="part" file="part.obj" scale="1 2 -1" inertia="exact"/></asset>
+  <worldbody>FLOOR<body name="trunk"><freejoint name="floating_base" align="false"/>
+    <inertial pos="0.01 0.02 0.03" mass="2" diaginertia="0.2 0.3 0.25"/>
+    <geom name="hull" type="box" pos="0.1 0.2 0.3" euler="0.3 -0.4 0.5" size="0.1 0.2 0.3"/>
+    <geom name="trunk_collision_1" pos="-0.1 0.1 0.2" size="0.2"/>
+    <geom name="trunk_collision_2" type="cylinder" euler="1 0.2 0.1" size="0.1 0.2"/>
+    <body name="leg" pos="0.2 0 -0.3" euler="0.1 0.2 0.3"><joint name="hip" axis="0 1 0"/>
+      <inertial pos="0 0 -0.1" mass="1" diaginertia="0.1 0.1 0.1"/>
+      <geom name="leg_collision_1" type="capsule" pos="0 0 -0.2" euler="0.2 0.7 -0.1" size="0.1 0.2"/>
+      <body name="foot" pos="0.05 0 -0.4" euler="0.3 0.1 0.2">
+        <geom name="foot_collision_1" type="mesh" mesh="part" pos="0.1 0 0" euler="0 0.3 0" mass="0"/>
+      </body>
+    </body>
+  </body></worldbody>
+</mujoco>"#;
+
+/// Returns a folder in memory that has the mesh.
+fn options(ground: Option<Ground>, base: Base) -> ReadOptions {
+    let files = FileStore::in_memory([("part.obj".into(), OBJ.into())]);
+    ReadOptions { folder: Some("".into()), files, ground, base, ..ReadOptions::default() }
+}
+
+fn read(text: &str, file: &str, options: &ReadOptions) -> Result<Reading, Diagnostics> {
+    modyn_read::read(text, file, options)
+}
+
+/// Returns the model of a floating robot without warnings.
+fn floating(text: &str, file: &str, ground: Option<Ground>) -> Model {
+    let base = if file.ends_with("urdf") { Base::Floating } else { Base::Described };
+    let reading = read(text, file, &options(ground, base)).unwrap_or_else(|e| panic!("{e}"));
+    assert_eq!(reading.warnings, [], "{file}");
+    reading.model
+}
+
+fn close(a: &[f64], b: &[f64]) -> bool {
+    a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-12)
+}
+
+/// The numbers of a shape on the body that moves its link.
+fn on_body(model: &Model, shape: &TouchingShape) -> Vec<f64> {
+    let frame = &model.frames()[shape.end.frame];
+    let pose = frame.pose.compose(&shape.end.pose);
+    let mut numbers = vec![frame.link.expect("a link that moves") as f64];
+    numbers.extend(pose.rotation.as_flattened());
+    numbers.extend(pose.translation);
+    numbers.extend(shape.shape.numbers());
+    numbers.extend(shape.surface.numbers());
+    numbers
+}
+
+fn assert_same_shapes(a: &Model, b: &Model) {
+    let [first, second] = [a, b].map(Model::touching_shapes);
+    assert_eq!(first.len(), second.len());
+    for (x, y) in first.iter().zip(&second) {
+        assert_eq!((&x.name, x.components, x.power), (&y.name, y.components, y.power));
+        assert_eq!(core::mem::discriminant(&x.shape), core::mem::discriminant(&y.shape));
+        let numbers = [on_body(a, x), on_body(b, y)];
+        assert!(close(&numbers[0], &numbers[1]), "{x:?}\n{y:?}");
+    }
+}
+
+/// Returns the velocities after a step of a robot that lies on the ground, and the forces.
+fn step(model: &Model) -> [Vec<f64>; 2] {
+    let q = [0.02, 0.01, -0.3, 0.1, 0.2, -0.1, 0.97, 0.4];
+    let norm: f64 = q[3..7].iter().map(|x| x * x).sum::<f64>().sqrt();
+    let q: Vec<f64> = q
+        .iter()
+        .enumerate()
+        .map(|(i, x)| if (3..7).contains(&i) { x / norm } else { *x })
+        .collect();
+    let qd = [0.1, -0.2, 0.3, 0.2, -0.3, -0.5, 0.7];
+    let points: usize = model.touching_shapes().iter().map(|shape| shape.shape.points()).sum();
+    let [mut next, mut velocities, mut qdd] = [vec![0.0; 8], vec![0.0; 7], vec![0.0; 7]];
+    let mut forces = vec![0.0; 3 * points];
+    let outputs = StepSolutionOutputs {
+        q: &mut next,
+        qd: &mut velocities,
+        qdd: &mut qdd,
+        forces: &mut forces,
+        residual: &mut 0.0,
+        iterations: &mut 0.0,
+    };
+    let input = StepInput { q: &q, qd: &qd, tau: &[0.0; 7], warm_start: &[0.0; 7], dt: 0.002 };
+    let mut interpreter = Interpreter::<f64>::new(model.clone());
+    interpreter.step(input, &model.step_settings(), outputs).expect("lengths");
+    [velocities, forces]
+}
+
+#[test]
+fn shapes_of_each_format_touch_the_ground_of_the_options_as_a_plane_of_the_world() {
+    let (point, normal) = TILTED;
+    let ground = Some(Ground::plane(point, normal));
+    let [a, b, c] = point;
+    let [x, y, z] = normal;
+    let floor =
+        format!(r#"<geom type="plane" size="0 0 1" pos="{a} {b} {c}" zaxis="{x} {y} {z}"/>"#);
+    let scene = floating(&MJCF.replace("FLOOR", &floor), "r.xml", None);
+    let urdf = floating(URDF, "r.urdf", ground);
+    let mjcf = floating(&MJCF.replace("FLOOR", ""), "r.xml", ground);
+    assert_eq!(scene.touching_shapes().len(), 5);
+    let [expected, forces] = step(&scene);
+    assert!(forces.iter().any(|force| *force > 1.0), "{forces:?}");
+    for model in [&urdf, &mjcf] {
+        assert_same_shapes(model, &scene);
+        let [velocities, pushes] = step(model);
+        assert!(close(&velocities, &expected) && pushes.len() == forces.len(), "{velocities:?}");
+    }
+}
+
+/// The mesh has three points that are not on its hull.
+#[test]
+fn a_mesh_touches_by_the_corners_of_its_hull() {
+    let model = floating(URDF, "r.urdf", Some(Ground::default()));
+    let shape = model.touching_shapes().pop().expect("a shape");
+    let ContactShape::Points(mut corners) = shape.shape else { panic!("{shape:?}") };
+    corners.sort_by(|a, b| a.partial_cmp(b).expect("numbers"));
+    let expected = [[0.0, 0.0, -0.3], [0.0, 0.0, 0.0], [0.0, 0.4, 0.0], [0.1, 0.0, 0.0]];
+    // An OBJ has single precision.
+    let mut pairs = corners.as_flattened().iter().zip(expected.as_flattened());
+    assert!(corners.len() == 4 && pairs.all(|(a, b)| (a - b).abs() < 1e-7), "{corners:?}");
+}
+
+#[test]
+fn without_ground_or_with_contacts_no_shape_is_read() {
+    // A mesh that does not exist is no warning where its shape touches nothing.
+    let text = URDF.replace("part.obj", "none.obj");
+    let mut without = options(None, Base::Floating);
+    let reading = read(&text, "r.urdf", &without).expect("read");
+    assert!(reading.model.touching_shapes().is_empty() && reading.warnings.is_empty());
+    let end = LoopEnd { link: "foot".into(), xyz: [0.0; 3], rpy: [0.0; 3] };
+    without.contacts = vec![Contact { name: "toe".into(), kind: ContactKind::Point, end }];
+    let level = read(&text, "r.urdf", &without).expect("read").model;
+    let given = ReadOptions {
+        ground: Some(Ground::plane([0.0, 0.0, 0.2], [0.0, 0.0, 3.0]).with_friction(0.3)),
+        ..without
+    };
+    let reading = read(&text, "r.urdf", &given).expect("read");
+    assert_eq!(reading.warnings, []);
+    let [on_level, on_given] =
+        [&level, &reading.model].map(|model| model.touching_shapes().remove(0));
+    assert_eq!((&*on_given.name, on_given.shape), ("toe", ContactShape::Point));
+    assert_eq!(on_level.surface.plane.translation, [0.0; 3]);
+    assert_eq!((on_given.surface.plane.translation[2], on_given.surface.friction), (0.2, 0.3));
+    assert_eq!(on_given.surface.plane.rotation[2], [0.0, 0.0, 1.0]);
+}
+
+/// Shapes of links that do not move touch nothing, and their meshes are not read.
+#[test]
+fn links_that_do_not_move_touch_nothing() {
+    let text = URDF.replace(r#"<box size="0.2 0.4 0.6"/>"#, r#"<mesh filename="none.obj"/>"#);
+    let reading = read(&text, "r.urdf", &options(Some(Ground::default()), Base::Described));
+    let Reading { model, warnings, .. } = reading.expect("read");
+    let names: Vec<String> = model.touching_shapes().into_iter().map(|shape| shape.name).collect();
+    assert_eq!(names, ["leg_collision_1", "foot_collision_1"]);
+    assert_eq!(warnings, []);
+}
+
+/// Returns the friction of the shapes and the warnings, with elements added to the robot.
+fn frictions(extensions: &str, ground: Ground) -> (Vec<f64>, Vec<String>) {
+    let text = URDF.replace("</robot>", &format!("{extensions}</robot>"));
+    let reading = read(&text, "r.urdf", &options(Some(ground), Base::Floating)).expect("read");
+    let shapes = reading.model.touching_shapes().into_iter();
+    let messages = reading.warnings.into_iter().map(|warning| warning.message);
+    (shapes.map(|shape| shape.surface.friction).collect(), messages.collect())
+}
+
+#[test]
+fn friction_is_that_of_gazebo_unless_the_ground_has_one() {
+    let given = r#"<gazebo reference="foot"><mu1 value="0.6"/><mu2>0.6</mu2></gazebo>
+        <gazebo reference="leg"><mu1>0.3</mu1></gazebo><gazebo reference="leg"><mu2>0.3</mu2></gazebo>"#;
+    assert_eq!(frictions(given, Ground::default()), (vec![1.0, 1.0, 1.0, 0.3, 0.6], vec![]));
+    assert_eq!(frictions(given, Ground::default().with_friction(0.8)).0, [0.8; 5]);
+    let uneven = r#"<gazebo reference="foot"><mu1>0.6</mu1></gazebo>"#;
+    let (coefficients, messages) = frictions(uneven, Ground::default());
+    assert_eq!(coefficients, [1.0, 1.0, 1.0, 1.0, 0.6]);
+    assert!(
+        messages.len() == 1 && messages[0].contains("`<mu1>` in all directions"),
+        "{messages:?}"
+    );
+}
+
+#[test]
+fn shapes_that_do_not_touch_are_named_and_wrong_ones_refused() {
+    let ground = options(Some(Ground::default()), Base::Floating);
+    for (from, to, part) in [
+        ("part.obj", "none.obj", "its geometry has the file `none.obj`, which is not found"),
+        (r#"<sphere radius="0.2"/>"#, "<torus/>", "contacts of a `<torus>` are not computed"),
+        (r#"<geometry><sphere radius="0.2"/></geometry>"#, "<geometry/>", "`<geometry>` is empty"),
+    ] {
+        let reading = read(&URDF.replace(from, to), "r.urdf", &ground).expect(part);
+        let [warning] = &reading.warnings[..] else { panic!("{:?}", reading.warnings) };
+        assert!(warning.message.contains(part), "{part}: {warning}");
+        assert!(warning.position.is_some() && warning.code == Code::NotRead, "{warning}");
+        assert_eq!(reading.model.touching_shapes().len(), 4);
+    }
+    let wrong = r#"<gazebo reference="foot"><mu1>-1</mu1></gazebo></robot>"#;
+    for (from, to, part) in [
+        (
+            r#"radius="0.2""#,
+            r#"radius="nan""#,
+            "the lengths of the `<sphere>` are not numbers above 0",
+        ),
+        (r#"<box size="0.2 0.4 0.6"/>"#, "<box/>", "the lengths of the `<box>`"),
+        (r#"rpy="1 0.2 0.1""#, r#"rpy="1 0.2""#, "3 numbers are needed"),
+        (r#"<geometry><sphere radius="0.2"/></geometry>"#, "", "`<collision>` has no `<geometry>`"),
+        ("</robot>", wrong, "`<mu1>` is -1"),
+    ] {
+        let error =
+            read(&URDF.replacen(from, to, 1), "r.urdf", &ground).expect_err(part).to_string();
+        assert!(error.contains(part), "{part}: {error}");
+        assert!(
+            read(&URDF.replacen(from, to, 1), "r.urdf", &options(None, Base::Floating)).is_ok()
+        );
+    }
+    let sphere = "<collision><geometry><sphere radius=\"1\"/></geometry></collision>";
+    let many = URDF.replacen(
+        r#"<link name="leg">"#,
+        &format!("<link name=\"leg\">{}", sphere.repeat(1001)),
+        1,
+    );
+    let error = read(&many, "r.urdf", &ground).expect_err("too many").to_string();
+    assert!(error.contains("more than 1000 shapes touch the ground"), "{error}");
+}
+
+#[test]
+fn a_ground_is_checked() {
+    let level = [0.0, 0.0, 1.0];
+    for (ground, part) in [
+        (Ground::plane([f64::NAN, 0.0, 0.0], level), "a number of the ground is not finite"),
+        (
+            Ground::plane([0.0; 3], [0.0, f64::INFINITY, 0.0]),
+            "a number of the ground is not finite",
+        ),
+        (Ground::plane([0.0; 3], [0.0; 3]), "the normal of the ground is zero"),
+        (Ground::default().with_friction(-0.1), "the friction of the ground"),
+        (Ground::default().with_friction(f64::NAN), "the friction of the ground"),
+    ] {
+        let error = read(URDF, "r.urdf", &options(Some(ground), Base::Floating)).expect_err(part);
+        assert!(error.to_string().contains(part), "{error}");
+    }
+}
+
+#[test]
+fn ground_that_touches_nothing_is_a_warning_and_a_second_floor_an_error() {
+    let text = URDF.replace("collision", "visual");
+    let reading = read(&text, "r.urdf", &options(Some(Ground::default()), Base::Floating));
+    let warnings = reading.expect("read").warnings;
+    assert!(
+        warnings.len() == 1 && warnings[0].message.contains("nothing touches the ground"),
+        "{warnings:?}"
+    );
+    let floor = r#"<geom name="floor" type="plane" size="0 0 1" MASK/>"#;
+    let scene = |mask: &str| MJCF.replace("FLOOR", &floor.replace("MASK", mask));
+    let given = options(Some(Ground::default()), Base::Described);
+    let error = read(&scene(""), "r.xml", &given).expect_err("two floors").to_string();
+    assert!(error.contains("the option `ground` adds a plane, and the file has one"), "{error}");
+    let drawn = scene(r#"contype="0" conaffinity="0""#);
+    let model = read(&drawn, "r.xml", &given).expect("a floor that is drawn").model;
+    assert_eq!(model.touching_shapes().len(), 5);
+}
+
+/// The friction of the ground replaces the mixture, and masks and exclusions hold.
+#[test]
+fn geoms_touch_the_ground_of_the_options_by_their_laws() {
+    let given = |ground| {
+        let text = MJCF.replace("FLOOR", "").replace(
+            r#"<geom name="hull""#,
+            r#"<geom name="hull" friction="1.4 0.1" condim="4" margin="0.1""#,
+        );
+        let text = text
+            .replace(r#"<geom name="trunk_collision_1""#, r#"<geom contype="0" conaffinity="2""#);
+        let exclude = r#"<contact><exclude body1="world" body2="leg"/></contact></mujoco>"#;
+        floating(&text.replace("</mujoco>", exclude), "r.xml", Some(ground)).touching_shapes()
+    };
+    let shapes = given(Ground::default());
+    let names: Vec<&str> = shapes.iter().map(|shape| &*shape.name).collect();
+    assert_eq!(names, ["hull", "trunk_collision_2", "foot_collision_1"]);
+    let surface = shapes[0].surface;
+    assert_eq!((surface.friction, surface.torsional_friction, surface.margin), (1.4, 0.1, 0.1));
+    let shapes = given(Ground::default().with_friction(0.7));
+    assert!(shapes.iter().all(|shape| shape.surface.friction == 0.7), "{shapes:?}");
+}
