@@ -242,8 +242,7 @@ fn feet_stay_above_the_ground_and_impacts_take_energy() {
     // The page draws the ground where it is, although the feet are a little below.
     let folder = tempfile::tempdir().expect("a folder");
     let page = folder.path().join("fall.html").to_string_lossy().into_owned();
-    for (more, ground) in [(&["--ground", "plane"][..], serde_json::json!(0.0)), (&[], Value::Null)]
-    {
+    for (more, ground) in [(&["--ground", "plane"][..], serde_json::json!(0)), (&[], Value::Null)] {
         assert_eq!(run(&[more, &["--html", &page]].concat()).code, 0);
         let html = std::fs::read_to_string(&page).expect("a page");
         assert_eq!(common::page_data(&html)["ground"], ground);
@@ -416,7 +415,7 @@ fn a_scene_moves_on_its_floor() {
         serde_json::from_value(forces.expect("forces").clone()).expect("numbers");
     assert!((forces[2] - 0.2).abs() < 2e-3 && forces[5] > 5.0, "{forces:?}");
     let more = run(&["--ground", "plane"]);
-    assert!(more.code == 1 && more.err.contains("leave the option out"), "{}", more.err);
+    assert!(more.code == 2 && more.err.contains("leave the option out"), "{}", more.err);
     let adaptive = run(&["--tolerance", "1e-6"]);
     assert!(adaptive.err.contains("does not touch its floor"), "{}", adaptive.err);
 }

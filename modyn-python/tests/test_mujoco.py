@@ -275,3 +275,63 @@ def test_motions_on_a_floor(scene):
         velocity = theirs.to_qvel(q, qd)
         assert abs(velocity - data.qvel).max() <= 1e-6 * max(1, abs(data.qvel).max())
     close(theirs.to_qpos(q), data.qpos, 1e-6)
+
+
+# A floating robot with a shape of each kind, in general position.
+COLLISIONS = """
+<robot name="r">
+  <link name="trunk">
+    <inertial><origin xyz="0.01 0.02 0.03"/><mass value="2"/>
+      <inertia ixx="0.02" iyy="0.03" izz="0.025" ixy="0.001" ixz="0.002" iyz="-0.001"/></inertial>
+    <collision name="hull"><origin xyz="0.1 0.02 0.03" rpy="0.3 -0.4 0.5"/><geometry><box size="0.2 0.3 0.1"/></geometry></collision>
+    <collision><origin xyz="-0.1 0.1 0.2"/><geometry><sphere radius="0.1"/></geometry></collision>
+  </link>
+  <joint name="hip" type="continuous"><parent link="trunk"/><child link="leg"/><origin xyz="0.1 0 -0.2" rpy="0.1 0.2 0.3"/>
+    <axis xyz="0 1 0"/></joint>
+  <link name="leg">
+    <inertial><origin xyz="0 0.01 -0.1"/><mass value="1"/><inertia ixx="0.01" iyy="0.012" izz="0.011" ixy="0" ixz="0" iyz="0"/></inertial>
+    <collision><origin xyz="0 0 -0.2" rpy="0.2 0.7 -0.1"/><geometry><capsule radius="0.05" length="0.3"/></geometry></collision>
+  </link>
+  <joint name="ankle" type="fixed"><parent link="leg"/><child link="foot"/><origin xyz="0.05 0 -0.3" rpy="0.3 0.1 0.2"/></joint>
+  <link name="foot">
+    <collision name="sole"><origin xyz="0.1 0 0" rpy="0 0.3 0"/><geometry><cylinder radius="0.1" length="0.05"/></geometry></collision>
+  </link>
+  <link name="world"/>
+  <joint name="free" type="floating"><parent link="world"/><child link="trunk"/></joint>
+</robot>
+"""
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_collisions_of_a_urdf_touch_the_ground(seed):
+    """MuJoCo reads the same URDF, and gets a plane: motions of 50 steps."""
+    point, normal = [0.1, -0.2, 0.05], [0.1, -0.2, 1.3]
+    robot = modyn.loads(COLLISIONS, ground=("plane", point, normal))
+    assert robot.touching_shape_names == ["hull", "trunk_collision_1", "leg_collision_1", "sole"]
+    # A link that is fixed to another one keeps a mobility of its own.
+    compiler = '<mujoco><compiler fusestatic="false"/></mujoco></robot>'
+    spec = mujoco.MjSpec.from_string(COLLISIONS.replace("</robot>", compiler))
+    # Links of the robot do not touch each other.
+    for geom in spec.geoms:
+        geom.conaffinity = 0
+    plane = spec.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_PLANE, size=[0, 0, 1], pos=point, contype=0)
+    plane.alt.type, plane.alt.zaxis = mujoco.mjtOrientation.mjORIENTATION_ZAXIS, normal
+    model = spec.compile()
+    model.opt.timestep, model.opt.tolerance, model.opt.ls_tolerance = 0.002, 0, 1e-12
+    model.opt.iterations, model.opt.ls_iterations = 300, 100
+    data = mujoco.MjData(model)
+    theirs = modyn.conventions.MuJoCo(robot, model)
+    settings = robot.step_settings()
+    settings.tolerance = 1e-13
+    [q], [qd], _, _ = states(robot, 1, seed=seed)
+    q[:3], tau = [0, 0, 0.3], np.zeros(robot.nv)
+    data.qpos[:], data.qvel[:] = theirs.to_qpos(q), theirs.to_qvel(q, qd)
+    qdd, touching = np.zeros(robot.nv), 0
+    for _ in range(50):
+        x = robot.step(q, qd, tau, 0.002, qdd, settings)
+        mujoco.mj_step(model, data)
+        q, qd, qdd = x.q, x.qd, x.qdd
+        touching += data.ncon > 0
+        velocity = theirs.to_qvel(q, qd)
+        assert abs(velocity - data.qvel).max() <= 1e-6 * max(1, abs(data.qvel).max())
+    assert touching > 10

@@ -50,6 +50,32 @@ const MJCF: &str = r#"<mujoco model="r"><compiler angle="radian" eulerseq="XYZ"/
   </body></worldbody>
 </mujoco>"#;
 
+/// The same robot in a world with a static plane. The foot is a frame of the leg.
+const SDF: &str = r#"<sdf version="1.9"><world name="w"><gravity>0 0 -9.81</gravity>
+  <model name="plane"><static>true</static><pose>0.1 0.2 0.3 0.4 0.5 0.6</pose>
+    <link name="leg"><pose>-0.1 0.3 -0.2 0.2 0.1 0.3</pose><collision name="c">
+      <pose>0.2 -0.5 0.1 0.1 -0.3 0.2</pose><geometry><plane><normal>0.2 0.6 1.7</normal><size>9 9</size></plane></geometry>
+      <surface><friction><ode><mu>100</mu><mu2>50</mu2></ode></friction></surface></collision></link></model>
+  <model name="r">
+    <link name="trunk">
+      <inertial><pose>0.01 0.02 0.03 0 0 0</pose><mass>2</mass><inertia><ixx>0.2</ixx><iyy>0.3</iyy><izz>0.25</izz></inertia></inertial>
+      <collision name="hull"><pose>0.1 0.2 0.3 0.3 -0.4 0.5</pose><geometry><box><size>0.2 0.4 0.6</size></box></geometry></collision>
+      <collision name="trunk_collision_1"><pose>-0.1 0.1 0.2 0 0 0</pose><geometry><sphere><radius>0.2</radius></sphere></geometry></collision>
+      <collision name="trunk_collision_2"><pose>0 0 0 1 0.2 0.1</pose>
+        <geometry><cylinder><radius>0.1</radius><length>0.4</length></cylinder></geometry></collision>
+      <collision name="none"><geometry><empty/></geometry></collision>
+    </link>
+    <joint name="hip" type="continuous"><parent>trunk</parent><child>leg</child><axis><xyz>0 1 0</xyz></axis></joint>
+    <link name="leg"><pose relative_to="trunk">0.2 0 -0.3 0.1 0.2 0.3</pose>
+      <inertial><pose>0 0 -0.1 0 0 0</pose><mass>1</mass><inertia><ixx>0.1</ixx><iyy>0.1</iyy><izz>0.1</izz></inertia></inertial>
+      <collision name="leg_collision_1"><pose>0 0 -0.2 0.2 0.7 -0.1</pose>
+        <geometry><capsule><radius>0.1</radius><length>0.4</length></capsule></geometry></collision>
+      <collision name="foot_collision_1"><pose relative_to="foot">0.1 0 0 0 0.3 0</pose>
+        <geometry><mesh><uri>part.obj</uri><scale>1 2 -1</scale></mesh></geometry></collision>
+    </link>
+    <frame name="foot" attached_to="leg"><pose relative_to="leg">0.05 0 -0.4 0.3 0.1 0.2</pose></frame>
+  </model></world></sdf>"#;
+
 /// Returns a folder in memory that has the mesh.
 fn options(ground: Option<Ground>, base: Base) -> ReadOptions {
     let files = FileStore::in_memory([("part.obj".into(), OBJ.into())]);
@@ -140,6 +166,187 @@ fn shapes_of_each_format_touch_the_ground_of_the_options_as_a_plane_of_the_world
         assert_same_shapes(model, &scene);
         let [velocities, pushes] = step(model);
         assert!(close(&velocities, &expected) && pushes.len() == forces.len(), "{velocities:?}");
+    }
+}
+
+/// The plane of a static model is the ground, wherever its model, link and collision are.
+#[test]
+fn planes_of_static_models_are_the_ground() {
+    let sdf = floating(SDF, "r.sdf", None);
+    let plane = sdf.touching_shapes()[0].surface.plane;
+    // The poses of the model, the link and the collision, each about the frame before.
+    let poses = [
+        ([0.1, 0.2, 0.3], [0.4, 0.5, 0.6]),
+        ([-0.1, 0.3, -0.2], [0.2, 0.1, 0.3]),
+        ([0.2, -0.5, 0.1], [0.1, -0.3, 0.2]),
+    ];
+    let [mut point, mut normal] = [[0.0; 3], TILTED.1];
+    for (xyz, rpy) in poses.into_iter().rev() {
+        [point, normal] = [point, normal].map(|vector| rotated(vector, rpy));
+        point = core::array::from_fn(|k| point[k] + xyz[k]);
+    }
+    let length = normal.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let unit = normal.map(|x| x / length);
+    assert!(close(&plane.rotation.map(|row| row[2]), &unit), "{plane:?}");
+    let height: f64 = (0..3).map(|k| unit[k] * (plane.translation[k] - point[k])).sum();
+    assert!(height.abs() < 1e-12, "{height}");
+    let urdf = floating(URDF, "r.urdf", Some(Ground::plane(point, normal)));
+    let level: Vec<TouchingShape> = sdf.touching_shapes();
+    for (a, b) in level.iter().zip(urdf.touching_shapes()) {
+        assert_eq!((&a.name, a.surface.friction), (&b.name, 1.0));
+        let [x, y] = [on_body(&sdf, a), on_body(&urdf, &b)];
+        // The points of the planes differ, not the planes.
+        let numbers = x.len() - 23;
+        assert!(close(&x[numbers + 12..], &y[numbers + 12..]), "{a:?}\n{b:?}");
+        assert!(close(&x[..numbers + 9], &y[..numbers + 9]), "{a:?}\n{b:?}");
+    }
+    // The foot of the URDF is a link with a mobility of its own; the foot of the SDF is the leg.
+    let foot = r#"<collision><origin xyz="0.1 0 0" rpy="0 0.3 0"/>"#;
+    let urdf = URDF.replace(foot, "<visual>");
+    let urdf = urdf.replace("</collision>\n  </link>\n</robot>", "</visual></link></robot>");
+    let mesh = "<mesh><uri>part.obj</uri><scale>1 2 -1</scale></mesh>";
+    let sdf = floating(&SDF.replace(mesh, "<empty/>"), "r.sdf", None);
+    let urdf = floating(&urdf, "r.urdf", Some(Ground::plane(point, normal)));
+    assert_eq!((sdf.touching_shapes().len(), urdf.touching_shapes().len()), (4, 4));
+    // Other points of the plane give other rounding errors, up to the tolerance of the solver.
+    let [[expected, _], [velocities, _]] = [&urdf, &sdf].map(step);
+    let mut pairs = velocities.iter().zip(&expected);
+    assert!(pairs.all(|(a, b)| (a - b).abs() < 1e-6), "{velocities:?} {expected:?}");
+}
+
+/// Returns a vector rotated about x, then y, then z.
+fn rotated([x, y, z]: [f64; 3], [roll, pitch, yaw]: [f64; 3]) -> [f64; 3] {
+    let [y, z] = [roll.cos() * y - roll.sin() * z, roll.sin() * y + roll.cos() * z];
+    let [x, z] = [pitch.cos() * x + pitch.sin() * z, pitch.cos() * z - pitch.sin() * x];
+    [yaw.cos() * x - yaw.sin() * y, yaw.sin() * x + yaw.cos() * y, z]
+}
+
+/// Returns the names and the frictions of the shapes of the SDF, and the warnings, with texts
+/// replaced.
+fn touching_sdf(
+    replaced: &[(&str, &str)],
+    ground: Option<Ground>,
+) -> (Vec<(String, f64)>, Vec<String>) {
+    let text = replaced.iter().fold(SDF.to_owned(), |text, (from, to)| {
+        assert!(text.contains(from), "{from}");
+        text.replacen(from, to, 1)
+    });
+    let reading = read(&text, "r.sdf", &options(ground, Base::Described));
+    let reading = reading.unwrap_or_else(|error| panic!("{error}"));
+    let shapes = reading.model.touching_shapes().into_iter();
+    let messages = reading.warnings.into_iter().map(|warning| warning.message);
+    (shapes.map(|shape| (shape.name, shape.surface.friction)).collect(), messages.collect())
+}
+
+/// The plane of the SDF, which is a robot without ground then.
+const NO_PLANE: (&str, &str) =
+    ("<plane><normal>0.2 0.6 1.7</normal><size>9 9</size></plane>", "<empty/>");
+
+#[test]
+fn the_surface_of_an_sdf_decides_about_friction_and_what_touches() {
+    let surface = |inside: &str| format!("</geometry><surface>{inside}</surface></collision>");
+    let hull = r#"</geometry></collision>
+      <collision name="trunk_collision_1">"#;
+    let with = |inside: &str| {
+        let to = surface(inside) + r#"<collision name="trunk_collision_1">"#;
+        touching_sdf(&[(hull, &to)], None)
+    };
+    let ode = |mu: &str| format!("<friction><ode>{mu}</ode></friction>");
+    let (shapes, messages) = with(&ode("<mu>0.4</mu><mu2>0.4</mu2>"));
+    let frictions: Vec<f64> = shapes.iter().map(|(_, friction)| *friction).collect();
+    assert_eq!((frictions, messages), (vec![0.4, 1.0, 1.0, 1.0, 1.0], vec![]));
+    // The plane has 100 and 50.
+    assert_eq!(with(&ode("<mu>60</mu><mu2>60</mu2>")).0[0].1, 60.0);
+    for (inside, part) in [
+        (ode("<mu>60</mu><mu2>60</mu2>"), "friction `<mu>` in all directions"),
+        (ode("<mu>0.4</mu>"), "friction `<mu>` in all directions"),
+        (
+            "<bounce><restitution_coefficient>0.1</restitution_coefficient></bounce>".into(),
+            "`<bounce>`",
+        ),
+        (
+            "<friction><torsional><patch_radius>0.1</patch_radius></torsional></friction>".into(),
+            "`<torsional>`",
+        ),
+    ] {
+        let (shapes, messages) = with(&inside);
+        assert_eq!(shapes.len(), 5);
+        assert!(messages.len() == 1 && messages[0].contains(part), "{part}: {messages:?}");
+    }
+    for inside in [
+        "<contact><collide_without_contact>true</collide_without_contact></contact>",
+        "<contact><collide_bitmask>65536</collide_bitmask></contact>",
+    ] {
+        let (shapes, messages) = with(inside);
+        assert_eq!((shapes.len(), &*shapes[0].0, messages.len()), (4, "trunk_collision_1", 0));
+    }
+    // A friction of zero and torsional friction without a radius have no effect.
+    let idle = "<bounce/><friction><torsional><coefficient>1</coefficient></torsional></friction>";
+    assert_eq!(with(idle).1, [""; 0]);
+}
+
+#[test]
+fn an_sdf_touches_the_ground_of_the_options_unless_it_has_its_own() {
+    let level = Ground::default();
+    let (shapes, messages) = touching_sdf(&[NO_PLANE], Some(level));
+    assert_eq!((shapes.len(), messages.len()), (5, 0));
+    let (shapes, _) = touching_sdf(&[NO_PLANE], Some(level.with_friction(0.3)));
+    assert!(shapes.iter().all(|(_, friction)| *friction == 0.3));
+    assert!(touching_sdf(&[NO_PLANE], None).0.is_empty());
+    let error = read(SDF, "r.sdf", &options(Some(level), Base::Described)).expect_err("two");
+    assert!(error.to_string().contains("the option `ground` adds a plane"), "{error}");
+    // Two planes.
+    let plane = r#"<collision name="d"><geometry><plane/></geometry></collision></link></model>"#;
+    let (shapes, _) = touching_sdf(&[("</link></model>", plane)], None);
+    let names: Vec<&str> = shapes.iter().take(4).map(|(name, _)| &**name).collect();
+    assert_eq!(
+        (shapes.len(), names),
+        (10, vec!["hull", "hull_shape", "trunk_collision_1", "trunk_collision_1_shape"])
+    );
+    // Contacts replace the shapes.
+    let end = LoopEnd { link: "leg".into(), xyz: [0.0; 3], rpy: [0.0; 3] };
+    let contacts = vec![Contact { name: "toe".into(), kind: ContactKind::Point, end }];
+    let given = ReadOptions { contacts, ..options(Some(level), Base::Described) };
+    let model = read(SDF, "r.sdf", &given).expect("a point on the ground of the options").model;
+    assert_eq!(model.touching_shapes()[0].name, "toe");
+}
+
+/// An error in a collision counts where it would touch the ground.
+#[test]
+fn collisions_of_an_sdf_are_checked_where_they_touch() {
+    let sphere = "<sphere><radius>0.2</radius></sphere>";
+    for (from, to, part) in [
+        (sphere, "<torus/>", "contacts of a `<torus>` are not computed"),
+        (sphere, "<plane/>", "it is a `<plane>` that moves"),
+        ("part.obj", "none.obj", "its geometry has the file `none.obj`, which is not found"),
+        ("<uri>part.obj</uri>", "", "its `<mesh>` has no `<uri>`"),
+    ] {
+        let (shapes, messages) = touching_sdf(&[(from, to)], None);
+        assert!(shapes.len() == 4 && messages.len() == 1, "{part}: {messages:?}");
+        assert!(messages[0].contains(part), "{part}: {messages:?}");
+        assert_eq!(touching_sdf(&[NO_PLANE, (from, to)], None).1, [""; 0]);
+    }
+    for (from, to, part) in [
+        (sphere, "<sphere/>", "the lengths of the `<sphere>` are not numbers above 0"),
+        ("<pose>-0.1 0.1 0.2 0 0 0</pose>", "<pose>a 0.1 0.2 0 0 0</pose>", "`a` is not a number"),
+        (r#"relative_to="foot""#, r#"relative_to="toes""#, "the frame `toes` does not exist here"),
+        ("<geometry><empty/></geometry>", "", "`<collision>` has no `<geometry>`"),
+        (
+            "<normal>0.2 0.6 1.7</normal>",
+            "<normal>0 0 0</normal>",
+            "the normal of a `<plane>` is zero",
+        ),
+        ("<mu>100</mu>", "<mu>-1</mu>", "`<mu>` is negative"),
+    ] {
+        let text = SDF.replacen(from, to, 1);
+        let error =
+            read(&text, "r.sdf", &options(None, Base::Described)).expect_err(part).to_string();
+        assert!(error.contains(part), "{part}: {error}");
+        if from.contains("mu") || from.contains("normal") {
+            continue;
+        }
+        let without = text.replacen(NO_PLANE.0, NO_PLANE.1, 1);
+        assert!(read(&without, "r.sdf", &options(None, Base::Described)).is_ok(), "{part}");
     }
 }
 

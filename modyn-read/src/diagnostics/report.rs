@@ -236,6 +236,19 @@ impl<'a> Report<'a> {
         self.diagnostics.push(diagnostic);
     }
 
+    /// Returns the number of diagnostics.
+    pub fn count(&self) -> usize {
+        self.diagnostics.len()
+    }
+
+    /// Takes the diagnostics after the first `count`, which may be added again by
+    /// [`push`](Self::push).
+    pub fn take_after(&mut self, count: usize) -> Vec<Diagnostic> {
+        let taken = self.diagnostics.split_off(count);
+        self.errors -= taken.iter().filter(|one| one.severity == Severity::Error).count();
+        taken
+    }
+
     /// Returns the number of errors.
     pub fn errors(&self) -> usize {
         self.errors

@@ -303,6 +303,7 @@ fn option_type(row: &OptionRow) -> &'static str {
         "true | false" => "bool",
         "links" => "Sequence[str]",
         form if form.starts_with("[\"") => "Mapping[str, Any] | str",
+        form if form.contains("plane(") => "str | tuple[Any, ...]",
         form if form.contains("smooth(") => "str | tuple[str, float]",
         form if form.contains("[[") => "str | Sequence[Sequence[str]]",
         _ => "str",

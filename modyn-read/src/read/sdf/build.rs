@@ -8,7 +8,8 @@ use modyn_runtime::model::{Actuation, Inertial, JointDynamics, Limits, LoopConst
 use modyn_runtime::spatial::Pose;
 use rustc_hash::FxHashMap;
 
-use super::frames::{Frames, inverse, resolve};
+use super::frames::{Frames, NOTHING, inverse, resolve};
+use super::ground::Grounding;
 use super::world::{
     Axis, BallConstraint, BallConstraintEnd, FrameKind, Joint, JointKind, WORLD, World,
 };
@@ -36,6 +37,7 @@ pub fn describe(
     if moving.len() > 1 {
         world.qualify();
     }
+    let surfaces = std::mem::take(&mut world.surfaces);
     let world = &world;
     let frames = resolve(world, report);
     let description = Description {
@@ -63,7 +65,11 @@ pub fn describe(
     build.ball_constraints();
     build.roots();
     build.weights();
-    Some(build.description)
+    let Build { frames, inside, mut description, report, .. } = build;
+    let mut grounding =
+        Grounding { world, frames: &frames, inside: &inside, options, surfaces, report };
+    description.soft = grounding.soft_constraints(&description);
+    Some(description)
 }
 
 /// Returns the scopes of the world's models that can move, at least one; `None` with an error in
@@ -172,7 +178,7 @@ impl Build<'_, '_, '_> {
                         continue;
                     };
                     let link = self.world.links[link].frame;
-                    let origin = self.between(frame.scope, link, index);
+                    let origin = self.frames.between(world, frame.scope, [link, index]);
                     let fixed = self.record(format!("{}_fixed", name.text), name.at);
                     let child = name.text.clone();
                     self.description.links.push(LinkRecord::new(name, None));
@@ -181,18 +187,6 @@ impl Build<'_, '_, '_> {
                 _ => {}
             }
         }
-    }
-
-    /// Returns the pose of a frame in the frame of a link; both are within the scope.
-    fn between(&self, scope: usize, link: usize, frame: usize) -> Pose<f64> {
-        let [link, frame] = [link, frame].map(|end| self.frames.pose(self.world, scope, end));
-        let sizes = link.translation.iter().chain(&frame.translation);
-        let negligible = NOTHING * sizes.fold(0.0, |most: f64, x| most.max(x.abs()));
-        let mut between = inverse(&link).compose(&frame);
-        for x in between.translation.iter_mut().filter(|x| x.abs() <= negligible) {
-            *x = 0.0;
-        }
-        between
     }
 
     /// Returns a fixed joint without its links, whose name no other joint has.
@@ -238,7 +232,7 @@ impl Build<'_, '_, '_> {
             let ends = [parent, child].map(|link| {
                 let pose = match link {
                     WORLD => self.frames.pose(world, WORLD, joint.frame),
-                    _ => self.between(joint_frame.scope, link, joint.frame),
+                    _ => self.frames.between(world, joint_frame.scope, [link, joint.frame]),
                 };
                 (link, pose)
             });
@@ -687,10 +681,6 @@ impl Build<'_, '_, '_> {
 /// The inertia of a link that gives none.
 const DEFAULT_INERTIA: Inertial =
     Inertial { mass: 1.0, center_of_mass: [0.0; 3], inertia: [1.0, 0.0, 0.0, 1.0, 0.0, 1.0] };
-
-/// The largest rounding error that counts as zero: of an entry of a rotation, and as a part of the
-/// lengths of which a translation is a difference.
-const NOTHING: f64 = 1e-12;
 
 /// Returns whether a pose is the identity but for rounding errors.
 fn is_identity(pose: &Pose<f64>) -> bool {

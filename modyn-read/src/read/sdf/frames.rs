@@ -6,6 +6,10 @@ use super::world::{FrameKind, WORLD, World};
 use crate::description::Located;
 use crate::diagnostics::{Code, Report, Suggestions};
 
+/// The largest rounding error that counts as zero: of an entry of a rotation, and as a part of the
+/// lengths of which a translation is a difference.
+pub const NOTHING: f64 = 1e-12;
+
 /// The resolved frames of a world.
 pub struct Frames {
     /// For each frame, its pose in the frame of its own scope.
@@ -18,6 +22,18 @@ impl Frames {
     /// Returns the pose of a frame in the frame of a scope around it.
     pub fn pose(&self, world: &World, scope: usize, frame: usize) -> Pose<f64> {
         compose(&self.poses, &world.path(scope, frame))
+    }
+
+    /// Returns the pose of a frame in the frame of a link; both are within the scope.
+    pub fn between(&self, world: &World, scope: usize, [link, frame]: [usize; 2]) -> Pose<f64> {
+        let [link, frame] = [link, frame].map(|end| self.pose(world, scope, end));
+        let sizes = link.translation.iter().chain(&frame.translation);
+        let negligible = NOTHING * sizes.fold(0.0, |most: f64, x| most.max(x.abs()));
+        let mut between = inverse(&link).compose(&frame);
+        for x in between.translation.iter_mut().filter(|x| x.abs() <= negligible) {
+            *x = 0.0;
+        }
+        between
     }
 }
 

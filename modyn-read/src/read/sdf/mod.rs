@@ -8,8 +8,10 @@
 //! all elements are read before any pose is known.
 
 mod build;
+mod collision;
 mod files;
 mod frames;
+mod ground;
 mod include;
 mod inertial;
 mod joint;

@@ -262,7 +262,8 @@ impl<'a> Reader<'a, '_, '_, '_> {
         let index = self.world.links.len();
         let frame = self.push(scope, &name, FrameKind::Link(index), pose, relative_to);
         let shapes = if self.options.shapes { self.shapes(node, &name.text) } else { Vec::new() };
-        self.world.links.push(Link { frame, inertial, shapes, weightless });
+        let collisions = self.collisions(node, subject);
+        self.world.links.push(Link { frame, inertial, shapes, weightless, collisions });
     }
 
     /// Adds a frame to a scope and returns its index.

@@ -56,12 +56,12 @@ impl<'a> Reader<'a, '_, '_, '_> {
     }
 }
 
-fn child<'a, 't>(node: Node<'a, 't>, name: &str) -> Option<Node<'a, 't>> {
+pub fn child<'a, 't>(node: Node<'a, 't>, name: &str) -> Option<Node<'a, 't>> {
     children(node).find(|child| is(*child, name))
 }
 
 /// Returns the text of a child element.
-fn content<'a>(node: Node<'a, '_>, name: &str) -> Option<&'a str> {
+pub fn content<'a>(node: Node<'a, '_>, name: &str) -> Option<&'a str> {
     child(node, name)?.text()
 }
 

@@ -1,10 +1,13 @@
 //! The models of a file before their names are resolved: scopes of names, frames, links and joints.
 
+use std::path::PathBuf;
+
 use modyn_runtime::model::{JointDynamics, Limits};
 use modyn_runtime::spatial::Pose;
 use rustc_hash::FxHashMap;
 
-use crate::description::{InertialRecord, Located, Shape, SpringRecord};
+use crate::description::{Geometry, InertialRecord, Located, Shape, SpringRecord};
+use crate::diagnostics::Diagnostic;
 use crate::read::visual::Surfaces;
 
 /// The index of the world among the scopes, and of its frame among the frames.
@@ -23,7 +26,7 @@ pub struct World {
     pub ball_constraints: Vec<BallConstraint>,
     /// The acceleration of free fall, m/s^2; `None` in a file without a world.
     pub gravity: Option<[f64; 3]>,
-    /// The meshes of visuals.
+    /// The meshes of visuals and collisions.
     pub surfaces: Surfaces,
     /// A sentence for each shape that could not be read.
     pub shape_notes: Vec<String>,
@@ -180,6 +183,53 @@ pub struct Link {
     pub shapes: Vec<Shape>,
     /// Whether gravity does not act on it.
     pub weightless: bool,
+    pub collisions: Vec<Collision>,
+}
+
+/// A `<collision>` of a link.
+pub struct Collision {
+    /// The name, which is empty if it is missing.
+    pub name: String,
+    pub at: usize,
+    /// The pose in the frame `relative_to`.
+    pub pose: Pose<f64>,
+    /// The name of the frame of the pose; `None` for the link's.
+    pub relative_to: Option<Located>,
+    pub geometry: CollisionGeometry,
+    pub surface: Surface,
+    /// The diagnostics of its elements, which count if it touches the ground.
+    pub diagnostics: Vec<Diagnostic>,
+}
+
+/// The geometry of a [`Collision`].
+pub enum CollisionGeometry {
+    /// No geometry: `<empty>`, or an error in the diagnostics.
+    Empty,
+    /// A plane by its unit normal.
+    Plane([f64; 3]),
+    Solid(Geometry),
+    Mesh(CollisionMesh),
+    /// Another geometry, and why its contacts are not computed.
+    Other(String),
+}
+
+/// The mesh of a [`Collision`], in a file that is not read yet.
+pub struct CollisionMesh {
+    pub uri: String,
+    /// The place of the file; `None` if it is not found.
+    pub place: Option<PathBuf>,
+    pub scale: Option<String>,
+}
+
+/// The `<surface>` of a [`Collision`].
+#[derive(Clone, Copy)]
+pub struct Surface {
+    /// The coefficients of friction along the two tangents, `<mu>` and `<mu2>`.
+    pub friction: [f64; 2],
+    /// Two collisions touch if their masks have a common bit, `<collide_bitmask>`.
+    pub mask: u32,
+    /// Whether it has a restitution or torsional friction, which are not read.
+    pub has_more: bool,
 }
 
 /// A joint.
