@@ -383,6 +383,54 @@ fn ground_that_nothing_touches_is_refused() {
     assert_eq!(closed.code, 0, "{}", closed.err);
 }
 
+/// A limp quadruped falls onto the collision shapes of its trunk, its legs and its feet, and lies still.
+#[test]
+fn collision_shapes_of_a_urdf_come_to_rest_on_the_ground() {
+    let mut text =
+        std::fs::read_to_string(common::root().join("robots/quadruped.urdf")).expect("a robot");
+    let shape = |place: &str, geometry: &str| {
+        format!("<collision><origin {place}/><geometry><{geometry}/></geometry></collision>")
+    };
+    for leg in ["front_left", "front_right", "hind_left", "hind_right"] {
+        let capsule = r#"capsule radius="0.015" length="0.16""#;
+        for (link, place, geometry) in [
+            ("thigh", r#"xyz="0 0 -0.08""#, capsule),
+            ("shank", r#"xyz="0 0 -0.08""#, capsule),
+            ("foot", "", r#"sphere radius="0.02""#),
+        ] {
+            let start = format!(r#"<link name="{leg}_{link}">"#);
+            assert!(text.contains(&start), "{start}");
+            text = text.replace(&start, &(start.clone() + &shape(place, geometry)));
+        }
+    }
+    let trunk = r#"<link name="trunk">"#;
+    text = text.replace(trunk, &(trunk.to_owned() + &shape("", r#"box size="0.4 0.2 0.06""#)));
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("limp.urdf").to_string_lossy().into_owned();
+    std::fs::write(&path, text).expect("written");
+    let ground = "plane([0, 0, 0.5], [0, 0, 1])";
+    let run = |more: &[&str]| {
+        let start =
+            ["simulate", &path, "--base", "floating", "--friction", "viscous", "--time", "2"];
+        modyn(&[&start[..], more].concat())
+    };
+    let motion = run(&["--ground", ground]);
+    assert_eq!(motion.code, 0, "{}", motion.err);
+    let (head, rows) = table(&motion.out);
+    let height = |row: &[f64]| row[column(&head, "floating_base.z (m)")];
+    // The legs are 0.32 m long, and the feet have a radius of 0.02 m.
+    assert!((height(&rows[0]) - 0.84).abs() < 1e-9, "{:?}", rows[0]);
+    let last = rows.last().expect("a row");
+    assert!((0.52..0.6).contains(&height(last)), "{last:?}");
+    let kinetic = last[column(&head, "kinetic (J)")];
+    assert!(kinetic < 1e-4, "{kinetic} J");
+    // Without ground the robot falls, and points of contacts replace the shapes.
+    let (_, falling) = table(&run(&[]).out);
+    assert!(height(falling.last().expect("a row")) < -10.0);
+    let point = ["--contacts", "toe: point(front_left_foot)", "--ground", ground];
+    assert_ne!(run(&point).out, motion.out);
+}
+
 const SCENE: &str = r#"<mujoco model="ball"><worldbody><geom type="plane" size="0 0 1" pos="0 0 0.2"/>
   <body pos="0.3 -0.2 0.45"><freejoint name="free"/><geom type="sphere" size="0.1" mass="2"/>
     <body pos="0 0 0.2"><joint name="hinge" axis="0 1 0" range="-20 20"/><geom type="sphere" size="0.05" pos="0.03 0 0.1" mass="0.5"/>

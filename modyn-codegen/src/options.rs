@@ -138,7 +138,9 @@ macro_rules! option_table {
                 /// there are contacts, their points touch the plane, and shapes do not.
                 "ground" ground(ground: Ground)
                     ground: Option<Ground>, field => *field = Some(ground),
-                    "plane | plane([x, y, z], [nx, ny, nz])", "the planes in the world of an SDF or an MJCF", "plane([0, 0, 0.1], [0, 0, 1])";
+                    "plane | plane([x, y, z], [nx, ny, nz])",
+                    "the planes in the world of an SDF or an MJCF",
+                    "plane([0, 0, 0.1], [0, 0, 1])";
                 /// The damping and friction of the description that act on the joints.
                 "friction" friction(friction: Friction)
                     friction: Option<Friction>, field => *field = Some(friction),

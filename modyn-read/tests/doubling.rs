@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 use std::path::PathBuf;
 
 use modyn_read::internals::counted_steps;
-use modyn_read::{FileStore, ReadOptions, read};
+use modyn_read::{FileStore, Ground, ReadOptions, read};
 
 /// The first size of a text.
 const SIZE: usize = 400;
@@ -49,6 +49,7 @@ impl Case {
             folder: Some(PathBuf::new()),
             files: FileStore::in_memory(other),
             shapes: true,
+            ground: self.file.ends_with("urdf").then(Ground::default),
             ..ReadOptions::default()
         };
         let before = counted_steps();
@@ -197,6 +198,20 @@ const CASES: &[Case] = &[
             text.replacen(&link, &format!("{link}{visual}{}'/></visual>", n - 1 - i), 1)
         })
     }),
+    Case::new("collisions with friction", "r.urdf", |n| {
+        let collision = "<collision name='c'><geometry><sphere radius='1'/></geometry></collision>";
+        let gazebo = "<gazebo reference='l#'><mu1>0.5</mu1><mu2>0.5</mu2></gazebo>";
+        let links = format!("{collision}{INERTIAL}");
+        urdf(n, &repeated(n, gazebo)).replace(INERTIAL, &links)
+    }),
+    Case::new("a hull that touches the ground", "r.urdf", |_| {
+        let mesh = "<collision><geometry><mesh filename='m.obj'/></geometry></collision>";
+        urdf(1, "").replace("<link name='l1'>", &format!("<link name='l1'>{mesh}"))
+    })
+    .with("m.obj", |n| {
+        let corners = sphere(n).map(|[x, y, z]| format!("v {x} {y} {z}\n"));
+        (corners.collect::<String>() + "f 1 2 3\n").into()
+    }),
     Case::new("transmissions", "r.urdf", |n| {
         urdf(n, &repeated(n, "<transmission name='t#'><joint name='j#'/><actuator name='a'><mechanicalReduction>2</mechanicalReduction>\
              <motorInertia>1</motorInertia></actuator></transmission>"))
@@ -241,6 +256,14 @@ const CASES: &[Case] = &[
         let axis = "<axis><xyz>0 0 1</xyz></axis>";
         sdf(&(repeated(n, &format!("<link name='k#'>{visual}</link>"))
             + &repeated(n, &format!("<joint name='i#' type='revolute'><parent>l</parent><child>k#</child>{axis}</joint>"))))
+    }),
+    Case::new("collisions on a plane", "r.sdf", |n| {
+        let shape = |shape: &str| {
+            format!("<collision name='c'><geometry>{shape}</geometry></collision>")
+        };
+        let plane = format!("<model name='p'><static>1</static><link name='l'>{}</link></model>", shape("<plane/>"));
+        let links = repeated(n, &format!("<link name='l#'>{}</link>", shape("<box><size>1 1 1</size></box>")));
+        format!("<sdf version='1.12'><world name='w'>{plane}<model name='r'>{links}</model></world></sdf>")
     }),
     Case::new("unknown elements", "r.sdf", |n| sdf(&repeated(n, "<jiont name='i#'/>"))),
     Case::new("welds of one name", "r.xml", |n| {

@@ -53,6 +53,11 @@ class Options(TypedDict, total=False):
     `point`, which stops the motion of the frame's origin, or `surface`, which stops rotations too. The frame's
     origin may follow the link, and its roll, pitch and yaw may follow the origin. By default the description's.
     For example: `{"fingertip": ("point", "hand", [0, 0, 0.2])}`."""
+    ground: str | tuple[Any, ...] | None
+    """The ground that collision shapes touch in the function `step`: a plane by a point (m) and the normal away
+    from the ground, `plane` for z = 0. `friction = 0.8` at the end is the coefficient of all contacts, in place
+    of the description's. If there are contacts, their points touch the plane, and shapes do not. By default the
+    planes in the world of an SDF or an MJCF. For example: `("plane", [0, 0, 0.1], [0, 0, 1])`."""
     friction: str | tuple[str, float] | None
     """The damping and friction of the description that act on the joints. By default none, with a warning if there
     are some. For example: `("smooth", 0.01)`."""

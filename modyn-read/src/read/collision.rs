@@ -125,13 +125,13 @@ impl Collisions {
             }
             Geometry::Capsule { radius, .. } => Touching { shape: ContactShape::Point, radius },
             Geometry::Mesh(mesh) => {
-                let corners =
+                let known =
                     self.corners.entry(std::sync::Arc::as_ptr(&mesh)).or_insert_with(|| {
                         let corners = hull::corners(&mesh.vertices);
                         self.meshes.push(mesh);
                         corners.map(Rc::from)
                     });
-                let corners = corners.clone().map_err(|why| format!("its mesh {why}"))?;
+                let corners = known.clone().map_err(|why| format!("its mesh {why}"))?;
                 sharp(ContactShape::Points(corners.to_vec()))
             }
         })
@@ -150,7 +150,7 @@ const SOLIDS: &[&str] = &["box", "sphere", "ellipsoid", "cylinder", "capsule"];
 pub fn touching_solid<'t>(
     element: &str,
     text: impl Fn(&str) -> Option<&'t str>,
-    (at, subject): Place,
+    place: Place,
     report: &mut Report<'_>,
 ) -> Result<Option<Geometry>, String> {
     let geometry = solid(element, text);
@@ -158,6 +158,7 @@ pub fn touching_solid<'t>(
         return Err(format!("contacts of a `<{element}>` are not computed"));
     }
     if geometry.is_none() {
+        let (at, subject) = place;
         let message = format!("the lengths of the `<{element}>` are not numbers above 0");
         let help = "write the lengths of the shape in m";
         report.error(Code::NotFinite, at, subject.as_ref(), message, help);

@@ -312,9 +312,9 @@ pub fn read_urdf(text: &str, file: &str, options: &ReadOptions) -> Result<Readin
 ///   needed.
 /// - Constraints of `<equality>` are exact: mimic joints and loops.
 /// - Gravity is the gravity of `<option>`, unless the options set another one.
-/// - Sensors and visual elements are ignored. Geoms touch planes of the world in steps. Controllers of actuators do not act, with a
-///   warning. Springs of joints and `gravcomp` act. Damping and friction act if the options say so,
-///   as in a URDF.
+/// - Geoms touch planes of the world in steps. Sensors and visual elements are ignored. Controllers
+///   of actuators do not act, with a warning. Springs of joints and `gravcomp` act. Damping and
+///   friction act if the options say so, as in a URDF.
 ///
 /// # Errors
 ///

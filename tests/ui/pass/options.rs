@@ -34,7 +34,9 @@ modyn::modyn!(
 modyn::modyn!(
     Touching = "../good.urdf",
     contacts = ["tip": point("hand"), "side": surface("arm", [0, 0.1, 0], [0, 0, 1.57],), "mid": point("arm", [1, 0, 0])],
+    ground = plane([0, 0, -0.5], [0, 1e-1, 1], friction = 0.5),
 );
+modyn::modyn!(Level = "../good.urdf", contacts = ["tip": point("hand")], functions = [step], ground = plane);
 modyn::modyn!(
     Bundled = "../good.urdf",
     functions = [],

@@ -175,8 +175,8 @@ impl Arguments {
         }
         if self.has_ground() && model.contacts().is_empty() {
             return Err(Failure::usage(
-                "error: `--ground` needs shapes or points that touch it: describe the `<collision>`s of links that move, \
-                 or add `--contacts 'foot: point(LINK)'` for each point"
+                "error: `--ground` needs shapes or points that touch it: describe the `<collision>`s of \
+                 links that move, or add `--contacts 'foot: point(LINK)'` for each point"
                     .to_string(),
             ));
         }

@@ -201,8 +201,8 @@ impl<'e> Bodies<'e, '_, '_> {
         let unread = std::iter::once(item).chain(ground.geom.map(|geom| &geom.item)).filter(is_set);
         self.ignored.parameters.extend(unread.map(place));
         let overriding = self.models[0].settings.overriding;
-        let contact = overriding.map_or(contact, |overriding| overriding.replaced(contact));
-        let contact = contact.with_friction(ground.friction);
+        let replaced = overriding.map_or(contact, |overriding| overriding.replaced(contact));
+        let contact = replaced.with_friction(ground.friction);
         Some(TouchingShape {
             name: String::new(),
             end: LoopConstraintEnd { frame: geom.carrier.link, pose },

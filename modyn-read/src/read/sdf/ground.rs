@@ -110,8 +110,8 @@ impl Grounding<'_, '_, '_> {
         let Some(shape) = self.shape(frame, collision) else { return };
         let name = &self.world.frames[frame].name.text;
         let place: Place = (Some(collision.at), Some(Subject::Link(name.clone())));
-        let frictions = touched.iter().map(|plane| plane.frictions(&collision.surface));
-        let frictions: Vec<[f64; 2]> = frictions.collect();
+        let mixed = touched.iter().map(|plane| plane.frictions(&collision.surface));
+        let frictions: Vec<[f64; 2]> = mixed.collect();
         if frictions.iter().any(|[first, second]| first != second) {
             touching.anisotropic.push(place.clone());
         }

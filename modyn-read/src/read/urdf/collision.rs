@@ -45,10 +45,10 @@ impl<'a> Reader<'a, '_, '_, '_> {
             let subject = Subject::Link(name.text.into());
             let described = frictions.remove(name.text);
             let friction = described.and_then(|friction| self.friction(&friction, &subject));
-            let surface = ground.surface();
+            let default = ground.surface();
             let surface = ContactSurface {
-                friction: ground.friction.or(friction).unwrap_or(surface.friction),
-                ..surface
+                friction: ground.friction.or(friction).unwrap_or(default.friction),
+                ..default
             };
             for part in children(node).filter(|part| is(*part, "collision")) {
                 if !collisions.are_too_many()
@@ -71,13 +71,13 @@ impl<'a> Reader<'a, '_, '_, '_> {
     fn collision(&mut self, node: Node<'a, '_>, subject: &Subject) -> Option<Collision> {
         let pose = self.origin(node, Some(subject));
         let example = "<geometry><box size=\"0.1 0.2 0.3\"/></geometry>";
-        let geometry = self.xml.required(node, "geometry", example, Some(subject))?;
-        let geometry = match children(geometry).find(Node::is_element) {
+        let element = self.xml.required(node, "geometry", example, Some(subject))?;
+        let geometry = match children(element).find(Node::is_element) {
             Some(shape) => self.touching_geometry(shape, subject).transpose()?,
             None => Err("its `<geometry>` is empty".into()),
         };
-        let name = attribute(node, "name").map(|name| name.text.trim().to_owned());
-        let name = name.filter(|name| !name.is_empty());
+        let text = attribute(node, "name").map(|name| name.text.trim().to_owned());
+        let name = text.filter(|name| !name.is_empty());
         Some(Collision { name, at: node.range().start, pose, geometry })
     }
 
