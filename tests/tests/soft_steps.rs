@@ -394,6 +394,43 @@ fn floating_joints_beyond_the_base_keep_their_velocity() {
     }
 }
 
+/// A quadruped that falls on its feet gains no energy, and comes to rest.
+#[test]
+fn contacts_take_energy() {
+    let files = data();
+    let model = robot(&list(&files)[0]);
+    let [nq, nv] = [model.nq(), model.nv()];
+    let mut robot = Interpreter::<f64>::new(model.clone());
+    let floor = Pose { translation: [0.0, 0.0, -0.5], ..Pose::identity() };
+    let surface = ContactSurface::<f64> { plane: floor, ..ContactSurface::default() };
+    let settings =
+        [&StepSettings::<f64>::DEFAULT.numbers()[..], &surface.numbers().repeat(4)].concat();
+    let energy = |robot: &mut Interpreter<f64>, q: &[f64], qd: &[f64]| {
+        let kinetic = robot.kinetic_energy(q, qd).expect("lengths");
+        kinetic + robot.potential_energy(q).expect("lengths")
+    };
+    let mut q = vec![0.0; nq];
+    robot.neutral(&mut q).expect("a length");
+    let mut qd = vec![0.0; nv];
+    let first = energy(&mut robot, &q, &qd);
+    let mut most = first;
+    let mut warm_start = vec![0.0; nv];
+    for _ in 0..1_500 {
+        // Springs and dampers hold the joints.
+        let hold = |k: usize| if k < 6 { 0.0 } else { -20.0 * q[k + 1] - 0.2 * qd[k] };
+        let tau = (0..nv).map(hold).collect();
+        let given = [q, qd, tau, vec![0.002], warm_start, settings.clone()];
+        let found = interpreted(&mut robot, Function::Step, &given);
+        q = found[..nq].to_vec();
+        qd = found[nq..nq + nv].to_vec();
+        warm_start = found[nq + nv..nq + 2 * nv].to_vec();
+        most = most.max(energy(&mut robot, &q, &qd));
+    }
+    let last = energy(&mut robot, &q, &qd);
+    assert!(most < first + 1e-3 * (first - last), "{first} {most} {last}");
+    assert!(last < first - 1.0 && qd.iter().all(|v| v.abs() < 1e-2), "{first} {last} {qd:?}");
+}
+
 /// Returns the mechanisms in general position with closed loops.
 fn closed(seed: u64) -> Model {
     let names = SPATIAL_LOOPS.into_iter().chain([PLANAR_LOOP]);
