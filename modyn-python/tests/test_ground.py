@@ -161,6 +161,31 @@ BALL = """<mujoco model="ball"><worldbody><geom type="plane" size="0 0 1" fricti
 <geom type="sphere" size="0.1" pos="0.02 -0.03 0.01" mass="2" condim="6" friction="0.8 0.01 0.001"/></body></worldbody></mujoco>"""
 
 
+BALL_OF_A_URDF = """<robot name="ball"><link name="ball"><inertial><origin xyz="0.02 -0.03 0.01"/><mass value="2"/>
+<inertia ixx="0.008" iyy="0.008" izz="0.008" ixy="0" ixz="0" iyz="0"/></inertial>
+<collision><origin xyz="0.02 -0.03 0.01"/><geometry><sphere radius="0.1"/></geometry></collision></link></robot>"""
+
+
+def test_a_collision_of_a_urdf_rolls_down_a_ramp():
+    """The plane below the centre of the shape is that of the ramp, for the option `ground` as for a floor of an MJCF."""
+    field, plane = ramp()
+    mjcf = modyn.loads(BALL.replace('condim="6"', "").replace('friction="0.8 0.01 0.001"', ""))
+    urdf = modyn.loads(BALL_OF_A_URDF, base="floating", ground="plane")
+    assert urdf.touching_shape_names == ["ball_collision_1"]
+    given = modyn.loads(BALL_OF_A_URDF, base="floating", ground=("plane", [0, 0, 0.1], [0, 0, 2], {"friction": 0.4}))
+    [surface] = given.step_settings().contacts
+    assert (surface.friction, surface.radius, list(surface.translation)) == (0.4, 0.1, [0, 0, 0.1])
+    motions = []
+    for robot in (mjcf, urdf):
+        q = np.array([0.3, -0.2, 0.2, 0, 0, 0, 1])
+        arguments = dict(q=q, qd=np.zeros(6), controls=np.zeros((200, 6)), dt=0.002, step="step", ground=field)
+        motions.append(robot.rollout(**arguments))
+    close(motions[0].q, motions[1].q, 1e-9)
+    normal = plane["rotation"][:, 2]
+    center = motions[1].q[-1, :3] + [0.02, -0.03, 0.01]
+    assert motions[1].q[-1, 0] < q[0] and abs(center @ normal - 0.1) < 0.02
+
+
 def test_a_ball_rolls_down_a_ramp():
     robot = modyn.loads(BALL)
     field, plane = ramp()

@@ -294,6 +294,7 @@ COLLISIONS = """
   </link>
   <joint name="ankle" type="fixed"><parent link="leg"/><child link="foot"/><origin xyz="0.05 0 -0.3" rpy="0.3 0.1 0.2"/></joint>
   <link name="foot">
+    <inertial><origin xyz="0.02 0 0.01"/><mass value="0.3"/><inertia ixx="0.001" iyy="0.002" izz="0.002" ixy="0" ixz="0" iyz="0"/></inertial>
     <collision name="sole"><origin xyz="0.1 0 0" rpy="0 0.3 0"/><geometry><cylinder radius="0.1" length="0.05"/></geometry></collision>
   </link>
   <link name="world"/>
