@@ -5,7 +5,7 @@ pub mod vocabulary;
 
 use modyn_codegen::diagnostics::{Code, Diagnostics, Severity};
 use modyn_codegen::{
-    Base, Builder, Friction, Function, Mimic, ReadOptions, Reading, Rotor, joints_without_inertia,
+    Base, Builder, Friction, Function, Ground, Mimic, ReadOptions, Reading, Rotor, joints_without_inertia,
 };
 
 pub use mutate::mutate;
@@ -27,6 +27,7 @@ pub fn read_options(choice: u8) -> ReadOptions {
             [usize::from(choice >> 1 & 3)],
         unphysical_inertia: if flag(3) { Severity::Warning } else { Severity::Error },
         friction: flag(4).then_some(Friction::Smooth(0.1)),
+        ground: flag(7).then(Ground::default),
         rotors: if flag(5) {
             vec![Rotor { joint: "a".into(), inertia: 0.1, gear_ratio: 9.0 }]
         } else {

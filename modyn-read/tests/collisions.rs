@@ -255,6 +255,11 @@ fn the_surface_of_an_sdf_decides_about_friction_and_what_touches() {
     let (shapes, messages) = with(&ode("<mu>0.4</mu><mu2>0.4</mu2>"));
     let frictions: Vec<f64> = shapes.iter().map(|(_, friction)| *friction).collect();
     assert_eq!((frictions, messages), (vec![0.4, 1.0, 1.0, 1.0, 1.0], vec![]));
+    let drake = "</geometry><drake:proximity_properties><drake:mu_dynamic>0.2</drake:mu_dynamic>\
+                 </drake:proximity_properties></collision><collision name=\"trunk_collision_1\">";
+    let (shapes, messages) =
+        touching_sdf(&[("<sdf ", "<sdf xmlns:drake='http://drake.mit.edu' "), (hull, drake)], None);
+    assert_eq!((shapes[0].1, shapes[1].1, messages), (0.2, 1.0, vec![]));
     // The plane has 100 and 50.
     assert_eq!(with(&ode("<mu>60</mu><mu2>60</mu2>")).0[0].1, 60.0);
     for (inside, part) in [
@@ -413,6 +418,17 @@ fn friction_is_that_of_gazebo_unless_the_ground_has_one() {
         <gazebo reference="leg"><mu1>0.3</mu1></gazebo><gazebo reference="leg"><mu2>0.3</mu2></gazebo>"#;
     assert_eq!(frictions(given, Ground::default()), (vec![1.0, 1.0, 1.0, 0.3, 0.6], vec![]));
     assert_eq!(frictions(given, Ground::default().with_friction(0.8)).0, [0.8; 5]);
+    // Drake's friction is of one shape, and PyBullet's of a link.
+    let drake = "<drake:proximity_properties><drake:mu_dynamic value=\"0.2\"/></drake:proximity_properties>";
+    let contact = "<contact><lateral_friction value=\"0.7\"/></contact>";
+    let text = URDF
+        .replace("<robot ", "<robot xmlns:drake='http://drake.mit.edu' ")
+        .replacen("</collision>", &format!("{drake}</collision>"), 1)
+        .replacen("</inertial>", &format!("</inertial>{contact}"), 1);
+    let ground = options(Some(Ground::default()), Base::Floating);
+    let shapes = read(&text, "r.urdf", &ground).expect("read").model.touching_shapes();
+    let coefficients: Vec<f64> = shapes.iter().map(|shape| shape.surface.friction).collect();
+    assert_eq!(coefficients, [0.2, 0.7, 0.7, 1.0, 1.0]);
     let uneven = r#"<gazebo reference="foot"><mu1>0.6</mu1></gazebo>"#;
     let (coefficients, messages) = frictions(uneven, Ground::default());
     assert_eq!(coefficients, [1.0, 1.0, 1.0, 1.0, 0.6]);

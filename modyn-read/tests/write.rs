@@ -4,15 +4,16 @@
 #[allow(dead_code)] // Each test uses some of the robots.
 mod random;
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use modyn_read::diagnostics::{Code, Severity};
 use modyn_read::{
-    Base, Contact, Format, LoopEnd, ReadOptions, joints_without_inertia, read, write,
+    Base, Contact, Format, Ground, LoopEnd, ReadOptions, joints_without_inertia, read, write,
 };
 use modyn_runtime::model::{
     Contact as ModelContact, ContactKind, Keyframe, LoopConstraint, LoopConstraintEnd,
-    LoopConstraintKind, Model,
+    LoopConstraintKind, Model, TouchingShape,
 };
 use modyn_runtime::quantities::{Function, Sizes};
 use modyn_runtime::{Interpreter, Pose};
@@ -169,6 +170,83 @@ fn descriptions(folder: &str) -> Vec<PathBuf> {
     });
     files.sort();
     files
+}
+
+/// Shapes of each kind, of two bodies and of a body that is fixed to one of them, on two planes.
+const SHAPES: &str = r#"<mujoco model="r"><option cone="elliptic" impratio="3"/>
+  <asset><mesh name="part" vertex="0 0 0 0.1 0 0 0 0.2 0 0 0 0.3"/></asset><worldbody>
+  <geom name="floor" type="plane" size="0 0 1" pos="0.1 0.2 -0.3" zaxis="0.1 0.2 1" friction="0.7"/>
+  <geom name="wall" type="plane" size="0 0 1" pos="-3 0 0" zaxis="1 0 0.2" contype="0" conaffinity="2"/>
+  <body name="trunk"><freejoint name="base" align="false"/><inertial pos="0.01 0.02 0.03" mass="2" diaginertia="0.2 0.3 0.25"/>
+    <geom name="hull" type="box" pos="0.1 0.2 0.3" quat="0.9 0.1 0.2 0.3" size="0.1 0.2 0.3"/>
+    <geom size="0.2" pos="-0.1 0.1 0.2" contype="3"/>
+    <body name="leg" pos="0.2 0 -0.3" quat="0.8 0.3 -0.2 0.1"><joint name="hip" axis="0 1 0"/>
+      <inertial pos="0 0 -0.1" mass="1" diaginertia="0.1 0.1 0.1"/>
+      <geom name="shin" type="capsule" size="0.1 0.2" pos="0 0 -0.2" friction="1.4" margin="0.01"/>
+      <geom name="heel" type="cylinder" size="0.1 0.2" quat="0.2 0.3 0.4 0.5" friction="1.4 0.02 0.003" condim="6"
+            solref="0.03 0.9" solimp="0.8 0.9 0.002 0.6 3"/>
+      <body name="foot" pos="0.05 0 -0.4" quat="0.9 0.1 0.2 0.1">
+        <geom name="sole" type="ellipsoid" size="0.1 0.2 0.05" pos="0.1 0 0" mass="0"/>
+        <geom name="toe" type="mesh" mesh="part" pos="0.1 0 0" quat="0.9 0 0.2 0.1" mass="0"/>
+      </body></body></body></worldbody></mujoco>"#;
+
+/// The numbers of the shapes that touch the ground, by their names, with the names of their links.
+fn touching(model: &Model) -> BTreeMap<(String, String), Vec<f64>> {
+    let numbers = |shape: TouchingShape| {
+        let link = model.frames()[shape.end.frame].name.clone();
+        let mut numbers = shape.end.pose.rotation.as_flattened().to_vec();
+        numbers.extend(shape.end.pose.translation);
+        let mut sizes = shape.shape.numbers();
+        sizes.sort_by(f64::total_cmp);
+        numbers.extend(sizes);
+        numbers.extend(shape.surface.numbers());
+        numbers.extend([shape.components.count() as f64, f64::from(shape.power)]);
+        ((shape.name, link), numbers)
+    };
+    model.touching_shapes().into_iter().map(numbers).collect()
+}
+
+#[test]
+fn shapes_that_touch_the_ground_are_written() {
+    let model = read(SHAPES, "r.xml", &ReadOptions::default()).expect("an MJCF").model;
+    let shapes = touching(&model);
+    assert_eq!(shapes.len(), 7, "{:?}", shapes.keys());
+    let written = write(&model, Format::Mjcf).expect("an MJCF");
+    let again = read(&written.text, "r.xml", &ReadOptions::default());
+    let again = again.unwrap_or_else(|found| panic!("{found}\n{}", written.text));
+    assert_eq!(again.warnings, [], "{}", written.text);
+    let [soft, kept] = [&model, &again.model].map(Model::soft_constraints);
+    assert_eq!((kept.cone, kept.impratio), (soft.cone, soft.impratio));
+    let read_again = touching(&again.model);
+    assert_eq!(read_again.keys().collect::<Vec<_>>(), shapes.keys().collect::<Vec<_>>());
+    for (name, numbers) in &shapes {
+        assert_close(&format!("{name:?}"), numbers, &read_again[name]);
+    }
+    // A URDF has the shapes, and the option has the ground.
+    let written = write(&model, Format::Urdf).expect("a URDF");
+    assert!(written.text.contains("Left out: shape `toe`."), "{}", written.text);
+    assert!(written.text.contains("Left out: 1 more plane"), "{}", written.text);
+    let option = written.text.split("`ground = ").nth(1).and_then(|rest| rest.split('`').next());
+    let numbers = option.expect("an option").replace(|c: char| !"0123456789.-e,".contains(c), "");
+    let numbers: Vec<f64> =
+        numbers.split(',').filter_map(|x| x.trim_start_matches('e').parse().ok()).collect();
+    let [x, y, z, nx, ny, nz] = numbers[..] else { panic!("{option:?}") };
+    let ground = Some(Ground::plane([x, y, z], [nx, ny, nz]));
+    let given = ReadOptions { ground, ..ReadOptions::default() };
+    let again = read(&written.text, "r.urdf", &given).expect("a URDF").model;
+    let read_again = touching(&again);
+    let names: Vec<&str> = read_again.keys().map(|(name, _)| &**name).collect();
+    assert_eq!(names, ["heel", "hull", "shin", "sole", "trunk_geom_1"]);
+    for (name, numbers) in &read_again {
+        // Poses, sizes, plane, radius and friction; the law of `heel` and the margin of `shin` are left out.
+        let kept = numbers.len() - 11;
+        assert_close(&format!("{name:?}"), &shapes[name][..kept], &numbers[..kept]);
+    }
+    assert!(
+        written.text.contains("The contacts of shapes `shin`, `heel` have"),
+        "{}",
+        written.text
+    );
 }
 
 #[test]

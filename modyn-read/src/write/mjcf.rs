@@ -10,12 +10,12 @@ use modyn_runtime::conventions::{
 };
 use modyn_runtime::joint::{JointType, planar};
 use modyn_runtime::model::{
-    Frame, Inertial, Joint, JointDynamics, LoopConstraintEnd, LoopConstraintKind, Model,
+    Cone, Frame, Inertial, Joint, JointDynamics, LoopConstraintEnd, LoopConstraintKind, Model,
 };
 use modyn_runtime::spatial::Pose;
 
 use super::xml::Element;
-use super::{Document, Names, is_massless, range};
+use super::{Document, Names, is_massless, range, shapes};
 use crate::diagnostics::{Code, Diagnostic, listed};
 
 /// The mass and the moment of inertia that MuJoCo requires of a moving body, kg and kg m^2.
@@ -62,14 +62,17 @@ pub fn document(model: &Model) -> Document {
         names: Names::new(links.iter().map(|link| &*link.joint.name)),
     };
     let compiler = Element::new("compiler").with("angle", "radian").with("autolimits", "true");
-    let option = Element::new("option").numbers("gravity", &model.gravity());
+    let option = writer.option();
     let world = writer.world();
-    let (world, equality) = writer.equality(world);
+    let (mut world, equality) = writer.equality(world);
+    let assets = writer.shapes(&mut world);
     let keyframes = writer.keyframes();
     let Writer { mut document, .. } = writer;
-    document.root.children.extend([compiler, option, world]);
-    let sections = [equality, keyframes].into_iter();
-    document.root.children.extend(sections.filter(|section| !section.children.is_empty()));
+    document.root.children.extend([compiler, option]);
+    let is_full = |section: &Element| !section.children.is_empty();
+    document.root.children.extend(Some(assets).filter(is_full));
+    document.root.children.push(world);
+    document.root.children.extend([equality, keyframes].into_iter().filter(is_full));
     document
 }
 
@@ -79,7 +82,9 @@ fn bodies(model: &Model) -> Vec<Vec<usize>> {
     let links = model.links();
     let children = model.children();
     let of_loops = model.loop_constraints().iter().flat_map(|constraint| &constraint.ends);
-    let ends = of_loops.chain(model.contacts().iter().map(|contact| &contact.end));
+    let of_contacts = model.contacts().iter().map(|contact| &contact.end);
+    let of_shapes = model.soft_constraints().shapes.iter().map(|shape| &shape.end);
+    let ends = of_loops.chain(of_contacts).chain(of_shapes);
     let carries =
         |link: usize, frame: &Frame| frame.link == Some(link) && frame.name != links[link].name;
     let mut is_needed = vec![false; links.len()];
@@ -109,7 +114,61 @@ fn bodies(model: &Model) -> Vec<Vec<usize>> {
     joints
 }
 
+/// The largest number of planes that the masks of geoms tell from each other.
+const MAX_PLANES: usize = 31;
+
 impl Writer<'_> {
+    /// Returns `<option>`.
+    fn option(&self) -> Element {
+        let mut option = Element::new("option").numbers("gravity", &self.model.gravity());
+        let soft = self.model.soft_constraints();
+        if soft.cone == Cone::Elliptic {
+            option = option.with("cone", "elliptic");
+        }
+        match soft.impratio {
+            Some(impratio) => option.numbers("impratio", &[impratio]),
+            None => option,
+        }
+    }
+
+    /// Adds the planes of the ground to the world, and the shapes that touch them to their bodies.
+    /// Returns `<asset>` with their meshes.
+    fn shapes(&mut self, world: &mut Element) -> Element {
+        let model = self.model;
+        let shapes = &model.soft_constraints().shapes;
+        let mut assets = Element::new("asset");
+        let mut left_out = Vec::new();
+        let mut names = Names::new(shapes.iter().map(|shape| &*shape.name));
+        let planes = shapes::planes(model);
+        for (index, plane) in planes.iter().enumerate().take(MAX_PLANES) {
+            let ground = Element::new("geom")
+                .with("name", names.unique("ground".into()))
+                .with("type", "plane")
+                .numbers("size", &[0.0, 0.0, 1.0])
+                .with("contype", "0")
+                .with("conaffinity", (1_u32 << index).to_string());
+            world.children.insert(index, placed(ground, plane));
+        }
+        for shape in shapes {
+            let touched =
+                planes.iter().take(MAX_PLANES).position(|one| *one == shape.surface.plane);
+            let Some(written) = touched.and_then(|plane| shapes::geom(shape, plane)) else {
+                left_out.push(shape);
+                continue;
+            };
+            assets.children.extend(written.mesh);
+            // The frame is a body, since it carries a shape.
+            let name = self.place_name(&model.frames()[shape.end.frame].name);
+            if let Some(body) = world.find("body", name) {
+                let at = body.children.iter().position(|child| child.is("body"));
+                let geom = placed(written.geom, &shape.end.pose);
+                body.children.insert(at.unwrap_or(body.children.len()), geom);
+            }
+        }
+        self.document.notes.extend(shapes::notes(model, &left_out, false));
+        assets
+    }
+
     /// Returns `<worldbody>` with all bodies.
     fn world(&mut self) -> Element {
         let links = self.model.links();
@@ -303,11 +362,15 @@ impl Writer<'_> {
     /// Returns a link that is fixed to another one, or to the world.
     fn frame(&self, frame: &Frame) -> Element {
         let name = self.place_name(&frame.name);
-        if is_massless(&frame.inertial) {
+        let index = self.model.frame_index(&frame.name);
+        let mut shapes = self.model.soft_constraints().shapes.iter();
+        let touches = shapes.any(|shape| Some(shape.end.frame) == index);
+        // The softness of contacts depends on the body of their shape.
+        if is_massless(&frame.inertial) && !touches {
             return placed(Element::new("site").with("name", name), &frame.pose);
         }
         let mut body = Element::new("body").with("name", name);
-        let compensation = self.compensation(self.model.frame_index(&frame.name));
+        let compensation = self.compensation(index);
         if compensation != 0.0 {
             body = body.numbers("gravcomp", &[compensation]);
         }

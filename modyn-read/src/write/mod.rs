@@ -4,11 +4,12 @@
 //! Model ─ urdf, mjcf ─▶ elements (xml) ─▶ text, with notes about everything that the format has no words for
 //! ```
 //!
-//! A format is a file here. The text has the links, joints, inertias, loops and contacts that the
-//! reader understood, and nothing else: no shapes, sensors or actuators. Reading it again gives the
-//! same robot.
+//! A format is a file here. The text has the links, joints, inertias, loops, contacts and shapes that
+//! touch the ground, as far as the reader understood them, and nothing else: no pictures, sensors or
+//! actuators. Reading it again gives the same robot.
 
 mod mjcf;
+mod shapes;
 mod urdf;
 mod xml;
 

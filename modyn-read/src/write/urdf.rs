@@ -1,12 +1,15 @@
 //! A robot as a URDF, with modyn's extensions: `<loop_joint>`, `<contact_frame>`, `<axis2>`, the
 //! joint type `spherical`, and `armature`.
 
+use modyn_runtime::ContactSurface;
 use modyn_runtime::joint::JointType;
-use modyn_runtime::model::{Inertial, Joint, JointDynamics, LoopConstraintEnd, Model};
+use modyn_runtime::model::{
+    ContactComponents, Inertial, Joint, JointDynamics, LoopConstraintEnd, Model, TouchingShape,
+};
 use modyn_runtime::spatial::Pose;
 
 use super::xml::Element;
-use super::{Document, Names, is_massless, range};
+use super::{Document, Names, is_massless, range, shapes};
 use crate::description::UNLIMITED;
 use crate::diagnostics::{Code, Diagnostic, listed};
 
@@ -28,8 +31,18 @@ pub fn document(model: &Model) -> Document {
             "The link `{root}` is added: the robot is connected to it, as a URDF needs it."
         ));
     }
-    for frame in frames {
-        elements.push(link(&frame.name, &frame.inertial));
+    let mut left_out = Vec::new();
+    let mut collisions: Vec<Vec<Element>> = frames.iter().map(|_| Vec::new()).collect();
+    for shape in shapes::solids(model) {
+        match collision(shape) {
+            Some(element) => collisions[shape.end.frame].push(element),
+            None => left_out.push(shape),
+        }
+    }
+    for (frame, collisions) in frames.iter().zip(collisions) {
+        let mut element = link(&frame.name, &frame.inertial);
+        element.children.extend(collisions);
+        elements.push(element);
     }
     for moving in links.iter().filter(|moving| model.frame_index(&moving.name).is_none()) {
         elements.push(link(&moving.name, &moving.inertial));
@@ -55,7 +68,10 @@ pub fn document(model: &Model) -> Document {
     }
     refuse_passive_forces(model, &mut document.errors);
     note_extensions(model, &mut document.notes);
+    document.notes.extend(shapes::notes(model, &left_out, true));
+    document.notes.extend(note_on_laws(model));
     let elements = &mut document.root.children;
+    elements.extend(frictions(model));
     let frame_name = |end: &LoopConstraintEnd| &*frames[end.frame].name;
     for constraint in model.loop_constraints() {
         let kind = constraint.kind;
@@ -116,6 +132,54 @@ fn note_extensions(model: &Model, notes: &mut Vec<String>) {
             used.join(", ")
         ));
     }
+}
+
+/// Returns the `<collision>` of a shape; `None` if URDF has no words for it.
+fn collision(shape: &TouchingShape) -> Option<Element> {
+    let element = Element::new("collision").with("name", &*shape.name);
+    Some(element.maybe(origin(&shape.end.pose)).child(shapes::urdf_geometry(shape)?))
+}
+
+/// Returns the friction of links by Gazebo's extension, where all shapes of a link have the same.
+fn frictions(model: &Model) -> Vec<Element> {
+    let mut elements = Vec::new();
+    for (index, frame) in model.frames().iter().enumerate() {
+        let on_frame = |shape: &&TouchingShape| shape.end.frame == index;
+        let shapes = model.soft_constraints().shapes.iter();
+        let mut coefficients = shapes.filter(on_frame).map(|shape| shape.surface.friction);
+        let Some(first) = coefficients.next() else { continue };
+        if first != ContactSurface::<f64>::GROUND.friction && coefficients.all(|next| next == first)
+        {
+            let coefficient = |name| Element::new(name).numbers("value", &[first]);
+            let gazebo = Element::new("gazebo").with("reference", &*frame.name);
+            elements.push(gazebo.child(coefficient("mu1")).child(coefficient("mu2")));
+        }
+    }
+    elements
+}
+
+/// Returns a note about contacts that have another law than the contacts of a URDF.
+fn note_on_laws(model: &Model) -> Option<String> {
+    let default = ContactSurface::<f64>::GROUND;
+    let shapes = &model.soft_constraints().shapes;
+    let friction = |shape: &TouchingShape| {
+        let on_link = shapes.iter().filter(|other| other.end.frame == shape.end.frame);
+        let mut coefficients = on_link.map(|other| other.surface.friction);
+        coefficients.all(|other| other == shape.surface.friction)
+    };
+    let is_default = |shape: &&TouchingShape| {
+        let ContactSurface { margin, solref, solimp, .. } = shape.surface;
+        let is_soft = (margin, solref, solimp) == (default.margin, default.solref, default.solimp);
+        is_soft && shape.components == ContactComponents::Sliding && friction(shape)
+    };
+    let others = shapes.iter().filter(|shape| !is_default(shape));
+    let names = listed("shape", others.map(|shape| &*shape.name));
+    let is_any = shapes.iter().any(|shape| !is_default(&shape));
+    is_any.then(|| {
+        format!(
+            "The contacts of {names} have MuJoCo's default law, but for the friction of their link."
+        )
+    })
 }
 
 /// Returns a reference to a link.

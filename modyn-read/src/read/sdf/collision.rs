@@ -8,7 +8,7 @@ use super::world::{Collision, CollisionGeometry, CollisionMesh, Surface};
 use crate::description::normalized;
 use crate::diagnostics::{Code, Place, Subject};
 use crate::read::collision::touching_solid;
-use crate::read::xml::element::children;
+use crate::read::xml::element::{children, shown};
 
 /// The coefficient of friction of a `<surface>` that gives none.
 const FRICTION: f64 = 1.0;
@@ -89,6 +89,11 @@ impl<'a> Reader<'a, '_, '_, '_> {
     /// Returns the surface of a collision.
     fn surface(&mut self, collision: Node<'a, '_>, subject: Option<&Subject>) -> Surface {
         let mut surface = Surface { friction: [FRICTION; 2], mask: MASK, has_more: false };
+        if let Some(drake) = self.xml.single(collision, "drake.proximity_properties", subject)
+            && self.xml.single(drake, "drake.mu_dynamic", subject).is_some()
+        {
+            surface.friction = [self.coefficient(drake, "drake.mu_dynamic", subject); 2];
+        }
         let Some(node) = self.xml.single(collision, "surface", subject) else { return surface };
         if let Some(friction) = self.xml.single(node, "friction", subject) {
             if let Some(ode) = self.xml.single(friction, "ode", subject) {
@@ -115,7 +120,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
         let errors = self.xml.report.errors();
         let number = self.finite(ode, name, subject);
         if number.is_some_and(|coefficient| coefficient < 0.0) {
-            let message = format!("`<{name}>` is negative");
+            let message = format!("`<{}>` is negative", shown(name));
             let help = "write a coefficient of friction of at least 0";
             let at = self.xml.at(node);
             self.xml.report.error(Code::BadNumber, at, subject, message, help);

@@ -8,7 +8,7 @@ use super::reader::Reader;
 use crate::description::{Description, Geometry};
 use crate::diagnostics::{Code, Place, Subject};
 use crate::read::collision::{Collision, Collisions, moving_links, touching_solid};
-use crate::read::xml::element::{attribute, children, is};
+use crate::read::xml::element::{attribute, children, is, written};
 
 /// The coefficients of friction of a link along the two tangents of Gazebo's contacts, and their
 /// place.
@@ -44,18 +44,19 @@ impl<'a> Reader<'a, '_, '_, '_> {
             let Some(&link) = indices.get(name.text).filter(|link| moves[**link]) else { continue };
             let subject = Subject::Link(name.text.into());
             let described = frictions.remove(name.text);
-            let friction = described.and_then(|friction| self.friction(&friction, &subject));
+            let of_gazebo = described.map(|friction| self.friction(&friction, &subject));
+            let of_link = of_gazebo.or_else(|| self.lateral_friction(node, &subject));
             let default = ground.surface();
-            let surface = ContactSurface {
-                friction: ground.friction.or(friction).unwrap_or(default.friction),
-                ..default
-            };
             for part in children(node).filter(|part| is(*part, "collision")) {
-                if !collisions.are_too_many()
-                    && let Some(collision) = self.collision(part, &subject)
-                {
-                    collisions.add(link, name.text, collision, &[surface]);
+                if collisions.are_too_many() {
+                    break;
                 }
+                let Some(collision) = self.collision(part, &subject) else { continue };
+                let of_shape = self.dynamic_friction(part, &subject);
+                let described = of_shape.or(of_link).unwrap_or(default.friction);
+                let friction = ground.friction.unwrap_or(described);
+                let surface = ContactSurface { friction, ..default };
+                collisions.add(link, name.text, collision, &[surface]);
             }
         }
         self.xml.report.warn_once(
@@ -102,30 +103,49 @@ impl<'a> Reader<'a, '_, '_, '_> {
             let Some(link) = attribute(gazebo, "reference") else { continue };
             for (tangent, name) in COEFFICIENTS.into_iter().enumerate() {
                 let Some(node) = self.xml.single(gazebo, name, None) else { continue };
-                let text = self.value(node);
                 let subject = Subject::Link(link.text.into());
-                let coefficient = self.xml.numbers::<1>(text, Some(&subject));
-                let Some([coefficient]) = coefficient else { continue };
-                if coefficient < 0.0 {
-                    let message = format!("`<{name}>` is {coefficient}");
-                    let help = "write a coefficient of friction of at least 0";
-                    self.xml.report.error(Code::BadNumber, text.at, Some(&subject), message, help);
-                    continue;
-                }
+                let Some(coefficient) = self.coefficient(node, &subject) else { continue };
                 let friction = frictions.entry(link.text).or_default();
                 friction.coefficients[tangent] = Some(coefficient);
-                friction.at = text.at;
+                friction.at = node.range().start;
             }
         }
         frictions
     }
 
-    /// Returns the coefficient of friction of a link's contacts.
-    fn friction(&mut self, friction: &LinkFriction, subject: &Subject) -> Option<f64> {
+    /// Returns the coefficient of friction of a link's contacts by Gazebo's coefficients.
+    fn friction(&mut self, friction: &LinkFriction, subject: &Subject) -> f64 {
         let [first, second] = friction.coefficients.map(|given| given.unwrap_or(FRICTION));
         if first != second {
             self.anisotropic.push((Some(friction.at), Some(subject.clone())));
         }
-        Some(first)
+        first
+    }
+
+    /// Returns the coefficient of friction in `<contact>` of a link, an extension of PyBullet.
+    fn lateral_friction(&mut self, link: Node<'a, '_>, subject: &Subject) -> Option<f64> {
+        let contact = self.xml.single(link, "contact", Some(subject))?;
+        let friction = self.xml.single(contact, "lateral_friction", Some(subject))?;
+        self.coefficient(friction, subject)
+    }
+
+    /// Returns the coefficient of dynamic friction of a collision, an extension of Drake.
+    fn dynamic_friction(&mut self, collision: Node<'a, '_>, subject: &Subject) -> Option<f64> {
+        let properties = self.xml.single(collision, "drake.proximity_properties", Some(subject))?;
+        let friction = self.xml.single(properties, "drake.mu_dynamic", Some(subject))?;
+        self.coefficient(friction, subject)
+    }
+
+    /// Returns the coefficient of friction in an element; `None` with an error in the report.
+    fn coefficient(&mut self, node: Node<'a, '_>, subject: &Subject) -> Option<f64> {
+        let text = self.value(node);
+        let [coefficient] = self.xml.numbers(text, Some(subject))?;
+        if coefficient < 0.0 {
+            let message = format!("`<{}>` is {coefficient}", written(node));
+            let help = "write a coefficient of friction of at least 0";
+            self.xml.report.error(Code::BadNumber, text.at, Some(subject), message, help);
+            return None;
+        }
+        Some(coefficient)
     }
 }
