@@ -17,7 +17,7 @@ pub fn solids(model: &Model) -> Vec<&TouchingShape> {
                 && solid.surface.radius == shape.surface.radius
                 && solid.surface.plane != shape.surface.plane
         };
-        if !solids.iter().any(|solid| is_same(&solid)) {
+        if !solids.iter().any(is_same) {
             solids.push(shape);
         }
     }
@@ -74,7 +74,7 @@ pub fn geom(shape: &TouchingShape, plane: usize) -> Option<WrittenGeom> {
     let sized = |kind: &str, sizes: &[f64]| {
         Element::new("geom").with("name", name).with("type", kind).numbers("size", sizes)
     };
-    let geom = match &shape.shape {
+    let solid = match &shape.shape {
         ContactShape::Point => sized("sphere", &[radius]),
         ContactShape::Segment(half) if radius > 0.0 => sized("capsule", &[radius, *half]),
         _ if radius > 0.0 => return None,
@@ -90,7 +90,7 @@ pub fn geom(shape: &TouchingShape, plane: usize) -> Option<WrittenGeom> {
     };
     let [least, most, width, midpoint] = solimp;
     // The plane has another priority, so that the numbers of the shape count.
-    let geom = geom
+    let geom = solid
         .with("mass", "0")
         .with("priority", "1")
         .with("contype", (1_u32 << plane).to_string())
@@ -99,8 +99,8 @@ pub fn geom(shape: &TouchingShape, plane: usize) -> Option<WrittenGeom> {
         .numbers("friction", &[friction, torsional_friction, rolling_friction])
         .numbers("solref", &solref)
         .numbers("solimp", &[least, most, width, midpoint, f64::from(shape.power)]);
-    let geom = if margin == 0.0 { geom } else { geom.numbers("margin", &[margin]) };
-    Some(WrittenGeom { geom, mesh })
+    let with_margin = if margin == 0.0 { geom } else { geom.numbers("margin", &[margin]) };
+    Some(WrittenGeom { geom: with_margin, mesh })
 }
 
 /// Returns notes about shapes without words in the format, and about the ground, which a URDF has no
