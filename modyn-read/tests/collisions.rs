@@ -261,9 +261,12 @@ fn the_surface_of_an_sdf_decides_about_friction_and_what_touches() {
         touching_sdf(&[("<sdf ", "<sdf xmlns:drake='http://drake.mit.edu' "), (hull, drake)], None);
     assert_eq!((shapes[0].1, shapes[1].1, messages), (0.2, 1.0, vec![]));
     // The plane has 100 and 50.
-    assert_eq!(with(&ode("<mu>60</mu><mu2>60</mu2>")).0[0].1, 60.0);
+    assert_eq!(with(&ode("<mu>1.5</mu><mu2>1.5</mu2>")).0[0].1, 1.5);
+    // A large coefficient is bounded.
+    let (shapes, messages) = with(&ode("<mu>40</mu><mu2>inf</mu2>"));
+    assert_eq!(shapes[0].1, 2.0);
+    assert!(messages.iter().any(|one| one.contains("above 2 is 2")), "{messages:?}");
     for (inside, part) in [
-        (ode("<mu>60</mu><mu2>60</mu2>"), "friction `<mu>` in all directions"),
         (ode("<mu>0.4</mu>"), "friction `<mu>` in all directions"),
         (
             "<bounce><restitution_coefficient>0.1</restitution_coefficient></bounce>".into(),
@@ -430,6 +433,10 @@ fn friction_is_that_of_gazebo_unless_the_ground_has_one() {
     let coefficients: Vec<f64> = shapes.iter().map(|shape| shape.surface.friction).collect();
     assert_eq!(coefficients, [0.2, 0.7, 0.7, 1.0, 1.0]);
     let uneven = r#"<gazebo reference="foot"><mu1>0.6</mu1></gazebo>"#;
+    let rough = r#"<gazebo reference="foot"><mu1>1e15</mu1><mu2>1e15</mu2></gazebo>"#;
+    let (coefficients, messages) = frictions(rough, Ground::default());
+    assert_eq!(coefficients, [1.0, 1.0, 1.0, 1.0, 2.0]);
+    assert!(messages.len() == 1 && messages[0].contains("above 2 is 2"), "{messages:?}");
     let (coefficients, messages) = frictions(uneven, Ground::default());
     assert_eq!(coefficients, [1.0, 1.0, 1.0, 1.0, 0.6]);
     assert!(
