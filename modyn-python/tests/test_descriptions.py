@@ -126,6 +126,8 @@ def test_options(tmp_path):
         ({"contacts": '["toe": rod]'}, ValueError, r'expected `"name": point\("link"\)`'),
         ({"contacts": {"toe": ("pont", "rod")}}, ValueError, "expected `point` or `surface`; for example contacts="),
         ({"bundles": {"both": [3]}}, ValueError, r'another form than in bundles={"control": \["mass_matrix", '),
+        ({"ground": ("plane", [0, 0, 1])}, ValueError, r'another form than in ground=\("plane", \[0, 0, 0.1\], \[0, 0, 1\]\)'),
+        ({"ground": "wall"}, ValueError, r"expected `plane` or `plane\(\[x, y, z\], \[nx, ny, nz\]\)`"),
         ({"friction": ("smooth", "fast")}, ValueError, r'expected a number; for example friction=\("smooth", 0.01\)'),
         ({"friction": ("smooth",)}, ValueError, r'another form than in friction=\("smooth", 0.01\)'),
     ],
@@ -157,7 +159,10 @@ def test_examples_of_options_are_values(name, example):
     if name == "base":
         text = text.replace('<link name="body"/>', '''<link name="body"><inertial><mass value="1"/>
             <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>''')
+    if name == "ground":
+        text = text.replace('<link name="hand">', '''<link name="hand"><collision name="palm"><geometry><sphere radius="0.1"/></geometry></collision>''')
     robot = modyn.loads(text + "</robot>", **{name: value})
+    assert robot.touching_shape_names == {"ground": ["palm"], "contacts": ["fingertip"]}.get(name, [])
     assert robot.nv == (11 if name == "base" else 5)
 
 
