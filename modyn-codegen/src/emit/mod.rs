@@ -14,6 +14,7 @@
 mod c;
 mod casadi;
 mod gpu;
+mod indices;
 mod matlab;
 pub(crate) mod rust;
 mod statements;

@@ -5,9 +5,10 @@ use std::path::PathBuf;
 use std::process::Command;
 
 use modyn_codegen::{Base, Builder, CodeForm, Contact, ContactKind, Function, LoopEnd, Target};
+use modyn_runtime::{ContactSurface, ContactTarget};
 
 use crate::conformance::c::{STRICT, write};
-use crate::conformance::{command, folder, robot};
+use crate::conformance::{command, contact, folder, robot};
 
 /// Compiles the C of `builder` in a folder; returns the folder and the header.
 fn compiled(name: &str, builder: &Builder) -> (PathBuf, String) {
@@ -37,6 +38,82 @@ fn chain(joints: usize) -> Builder {
         );
     }
     Builder::new().urdf_text(text + "</robot>", "chain.urdf").functions([Function::ForwardDynamics])
+}
+
+/// A program that finds numbers by the names of the header, in C and in C++.
+const BY_NAME: &str = r#"
+#include <stdio.h>
+#include <string.h>
+#include "ours.h"
+
+int main(void) {
+    double settings[OURS_STEP_SETTINGS];
+    double target[OURS_TARGET_COUNT];
+    size_t left = OURS_STEP_SETTING_SURFACES + OURS_SURFACE_COUNT * (size_t)OURS_SHAPE_LEFT;
+    size_t right = OURS_STEP_SETTING_SURFACES + OURS_SURFACE_COUNT * (size_t)OURS_SHAPE_RIGHT;
+    size_t i;
+    memcpy(settings, ours_default_step_settings, sizeof settings);
+    settings[OURS_STEP_SETTING_IMPRATIO] = 2.0;
+    settings[left + OURS_SURFACE_FRICTION] = 0.25;
+    settings[right + OURS_SURFACE_TRANSLATION + 2] = -0.5;
+    settings[right + OURS_SURFACE_SOLIMP + 3] = 0.75;
+    for (i = 0; i < OURS_STEP_SETTINGS; i++) printf("%.17g ", settings[i]);
+    memset(target, 0, sizeof target);
+    target[OURS_TARGET_TRANSLATION + 1] = 1.0;
+    target[OURS_TARGET_VELOCITY + 3] = 2.0;
+    target[OURS_TARGET_COMPLIANCE] = 3.0;
+    target[OURS_TARGET_WEIGHT] = 4.0;
+    for (i = 0; i < OURS_TARGET_COUNT; i++) printf("%.17g ", target[i]);
+    printf("%d %d %d\n", OURS_Q_FRONT_LEFT_KNEE, OURS_V_FRONT_LEFT_KNEE, OURS_LINK_FRONT_LEFT_FOOT);
+    return OURS_CONTACT_LEFT;
+}
+"#;
+
+/// Settings, coordinates and links have names in the header, without a word of a compiler.
+#[test]
+fn numbers_have_names() {
+    let feet = [("left", "front_left_foot"), ("right", "hind_right_foot")];
+    let feet = feet.map(|(name, link)| contact(name, ContactKind::Point, link, [0.0; 3]));
+    let functions = [Function::Step, Function::ConstrainedForwardDynamics];
+    let builder = robot("quadruped").base(Base::Floating).contacts(feet).functions(functions);
+    let (folder, header) = compiled("by_name", &builder);
+    for name in ["LINK_NAMES", "CONTACT_NAMES", "PARAMETERS`"] {
+        assert!(!header.contains(name), "{name} is no name of C");
+    }
+    let model = builder.generate().expect("good").model;
+    let place =
+        |names: &[String], name: &str| names.iter().position(|x| x == name).expect(name) as f64;
+    let mut settings = model.step_settings();
+    settings.impratio = 2.0;
+    settings.contacts[0].friction = 0.25;
+    settings.contacts[1].plane.translation[2] = -0.5;
+    settings.contacts[1].solimp[3] = 0.75;
+    let mut target = ContactTarget::from_numbers([0.0; 24]);
+    target.pose.translation[1] = 1.0;
+    target.velocity.linear.0[0] = 2.0;
+    target.compliance = 3.0;
+    target.weight = 4.0;
+    let surfaces = settings.contacts.iter().flat_map(ContactSurface::numbers);
+    let link = model.frame_index("front_left_foot").expect("a link") as f64;
+    let mut expected = vec![settings.tolerance, settings.impratio];
+    expected.extend(surfaces.chain(target.numbers()));
+    expected.push(place(&model.coordinate_names(), "front_left_knee"));
+    expected.push(place(&model.velocity_names(), "front_left_knee"));
+    expected.push(link);
+    let strict = ["-Wall", "-Wextra", "-Wconversion", "-Werror", "-pedantic"];
+    for (compiler, standard, file) in [
+        ("gcc", "-std=c99", "names.c"),
+        ("gcc", "-std=c11", "names.c"),
+        ("g++", "-std=c++17", "names.cpp"),
+    ] {
+        std::fs::write(folder.join(file), BY_NAME).expect("writes");
+        let mut compile = Command::new(compiler);
+        compile.arg(standard).args(strict).args([file, "ours.o", "-lm", "-o", "names"]);
+        command(compile.current_dir(&folder));
+        let printed = command(&mut Command::new(folder.join("names")));
+        let numbers = printed.split_whitespace().map(|x| x.parse().expect("a number"));
+        assert_eq!(numbers.collect::<Vec<f64>>(), expected, "{compiler} {standard}");
+    }
 }
 
 /// The instructions of loops take as many bytes for 112 joints as for 14.
@@ -110,6 +187,7 @@ fn names_cannot_break_out() {
         <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link></robot>"#;
     let builder = Builder::new().urdf_text(text, "a.urdf");
     let (_, header) = compiled("names", &builder);
-    assert!(header.contains("OURS_LINK_W_X = 0,\n    OURS_LINK_INT = 1"), "{header}");
+    let links = "OURS_LINK_W_X = 0, /* `w * / x` */\n    OURS_LINK_INT = 1 /* `int` */\n";
+    assert!(header.contains(links), "{header}");
     assert_eq!(builder.emit(Target::C).expect("good").prefix, "aerror_b");
 }

@@ -15,10 +15,11 @@ use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
 use modyn_runtime::model::Model;
+use modyn_runtime::{ContactSurface, StepSettings};
 
+use super::indices::{in_header, indices};
 use super::support::Support;
 use super::{Backend, EmitOptions, File, FloatType, MachineCode, PlannedRobot, coordinates_in_c};
-use crate::names;
 use crate::plan::{Argument, Frames, Function, Kernels, LinkProgram, Plan, Shape};
 use crate::program::{Execution, Program};
 pub(super) use support::{Qualifiers, text as support};
@@ -164,7 +165,10 @@ impl Printer {
         let upper = self.prefix.to_uppercase();
         format!(
             "/* Dynamics of a robot, compiled by modyn. SI units, radians; gravity {:?} m/s^2 in world axes.\n   \
-             Vectors are in the order of the description's joints, depth first; matrices are arrays of columns.\n   \
+             Vectors are in the order of the description's joints, depth first. Matrices are arrays of columns;\n   \
+             the rotation of a pose is an array of rows. Quaternions are x, y, z, w. Twists are angular, then\n   \
+             linear; wrenches are the moment, then the force. The velocity of a floating joint is linear, then\n   \
+             angular, in the axes of its link.\n   \
              Results must not overlap arguments. {notes}*/\n\
              #ifndef {upper}_H\n#define {upper}_H\n\n\
              #ifdef __cplusplus\nextern \"C\" {{\n#endif\n\n{}\
@@ -187,16 +191,11 @@ impl Printer {
         ] {
             let _ = writeln!(self.header, "/* {docs} */\n#define {upper}_{name} {value}");
         }
-        let links: Vec<&str> = model.frames().iter().map(|frame| frame.name.as_str()).collect();
-        let fields = names::fields(&links, &[]);
-        let links = fields.iter().enumerate();
-        let constants =
-            links.map(|(i, name)| format!("{upper}_LINK_{} = {i}", name.to_uppercase()));
-        let links = constants.collect::<Vec<_>>().join(",\n    ");
-        let _ = writeln!(
-            self.header,
-            "/* Links, in the description's order. */\nenum {{\n    {links}\n}};\n"
-        );
+        let functions: Vec<Function> = plan.functions.iter().filter_map(|f| f.function).collect();
+        self.header += &indices(model, &functions, &self.prefix);
+        if functions.contains(&Function::Step) {
+            self.default_step_settings(model, upper);
+        }
         if plan.parameters.is_empty() {
             return;
         }
@@ -222,6 +221,28 @@ impl Printer {
             self.prefix,
             numbers.join(", ")
         );
+    }
+
+    /// Prints the settings of steps by the description.
+    fn default_step_settings(&mut self, model: &Model, upper: &str) {
+        let settings = model.step_settings();
+        let tolerance = match self.float {
+            FloatType::F64 => settings.tolerance,
+            FloatType::F32 => StepSettings::<f32>::DEFAULT.tolerance.into(),
+        };
+        let surfaces = settings.contacts.iter().flat_map(ContactSurface::numbers);
+        let all = [tolerance, settings.impratio].into_iter().chain(surfaces);
+        let numbers: Vec<String> = all.map(|x| literal(x, self.float)).collect();
+        let real = self.real();
+        let count = numbers.len();
+        let name = format!("{}_default_step_settings", self.prefix);
+        let _ = writeln!(
+            self.header,
+            "/* The settings of steps by the description. */\n\
+             #define {upper}_STEP_SETTINGS {count}\nextern const {real} {name}[{count}];\n"
+        );
+        let _ =
+            writeln!(self.source, "const {real} {name}[{count}] = {{ {} }};\n", numbers.join(", "));
     }
 
     fn real(&self) -> &'static str {
@@ -343,7 +364,7 @@ impl Printer {
     fn declarations(&mut self, item: &Item<'_>) -> Vec<(String, usize)> {
         let Item { name, arguments, result, .. } = item;
         let by_link = matches!(item.programs, Programs::ByLink(_));
-        let docs = item.docs.replace('\n', "\n   ");
+        let docs = in_header(item.docs, &self.prefix).replace('\n', "\n   ");
         let layout = format!("`out`: {}.", result.in_words());
         let link =
             if by_link { " Returns 0 and writes nothing if there is no such link." } else { "" };

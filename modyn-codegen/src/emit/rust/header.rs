@@ -2,15 +2,13 @@
 
 use std::fmt::Write as _;
 
-use modyn_read::diagnostics::sanitize_for_display;
-
 use super::Robot;
 use super::c_functions::in_c;
 use super::quantity::Quantity;
 use super::shape::Shape;
 use crate::emit::coordinates_in_c;
-use crate::names;
-use crate::plan::Kernels;
+use crate::emit::indices::{comment, in_header, indices};
+use crate::plan::{Function, Kernels};
 
 impl Robot<'_> {
     /// Returns the header with `prefix_function` for each of the `quantities` that C can call.
@@ -47,29 +45,15 @@ impl Robot<'_> {
             8 * size,
             8 * size,
         );
-        self.enum_of_links(&mut text, prefix, &upper);
+        let functions = quantities.iter().filter_map(|quantity| Function::from_name(quantity.name));
+        text.push('\n');
+        text += &indices(self.model, &functions.collect::<Vec<_>>(), prefix);
         text += "#ifdef __cplusplus\nextern \"C\" {\n#endif\n";
         for quantity in quantities {
             declaration(&mut text, quantity, prefix, &upper, number);
         }
         text += "\n#ifdef __cplusplus\n}\n#endif\n\n#endif\n";
         text
-    }
-
-    fn enum_of_links(&self, text: &mut String, prefix: &str, upper: &str) {
-        let names = self.link_names();
-        let _ = writeln!(
-            text,
-            "/* The links of the description, in its order. */\nenum {prefix}_link {{"
-        );
-        let fields = names::fields(&names, &[]);
-        for (i, (field, name)) in fields.iter().zip(&names).enumerate() {
-            let comma = if i + 1 < names.len() { "," } else { "" };
-            let constant = field.to_uppercase();
-            let name = comment(name);
-            let _ = writeln!(text, "    {upper}_LINK_{constant} = {i}{comma} /* {name} */");
-        }
-        text.push_str("};\n\n");
     }
 }
 
@@ -96,7 +80,8 @@ fn declaration(
         (_, true) => "bool",
         (_, false) => "void",
     };
-    let mut docs: Vec<String> = quantity.docs.lines().map(str::to_owned).collect();
+    let own_docs = in_header(quantity.docs, prefix);
+    let mut docs: Vec<String> = own_docs.lines().map(str::to_owned).collect();
     if by_link {
         docs.push(format!(
             "`link` is one of `enum {prefix}_link`; returns false, and writes nothing, if there is no such link."
@@ -112,13 +97,4 @@ fn declaration(
         docs.join("\n * "),
         parameters.join(", ")
     );
-}
-
-/// Returns a name, with any characters, in a form that is safe in a comment.
-fn comment(name: &str) -> String {
-    // No end of a comment, no start of another one (compilers warn of it), and no trigraph.
-    format!(
-        "`{}`",
-        sanitize_for_display(name).replace("*/", "* /").replace("/*", "/ *").replace("??", "? ?")
-    )
 }

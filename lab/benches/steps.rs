@@ -1,0 +1,161 @@
+//! Times of the function `step` in Rust: a quadruped on four feet and a humanoid on eight points, one state after the
+//! other, in the motions of `lab/benches/python/on_ground.py`, which has MuJoCo's times.
+//!
+//! `RUSTFLAGS="-C target-cpu=native" cargo bench --manifest-path lab/Cargo.toml --bench steps`
+
+use std::time::Instant;
+
+use modyn::simulate::State;
+use modyn::{
+    Array, ConstraintSettings, ContactSet, ContactSurface, ContactTarget, Robot, StepSettings,
+    functions,
+};
+
+modyn::modyn!(
+    "../../robots/quadruped.urdf",
+    base = floating,
+    friction = none,
+    functions = [step, link_poses, constrained_inverse_dynamics],
+    contacts = [
+        "fl": point("front_left_foot"),
+        "fr": point("front_right_foot"),
+        "hl": point("hind_left_foot"),
+        "hr": point("hind_right_foot"),
+    ]
+);
+modyn::modyn!(
+    "../../robots/humanoid.urdf",
+    base = floating,
+    friction = none,
+    functions = [step, link_poses, constrained_inverse_dynamics],
+    contacts = [
+        "left_toe_out": point("left_ankle_roll_link", [0.12, 0.03, -0.035]),
+        "left_toe_in": point("left_ankle_roll_link", [0.12, -0.03, -0.035]),
+        "left_heel_out": point("left_ankle_roll_link", [-0.05, 0.025, -0.035]),
+        "left_heel_in": point("left_ankle_roll_link", [-0.05, -0.025, -0.035]),
+        "right_toe_out": point("right_ankle_roll_link", [0.12, -0.03, -0.035]),
+        "right_toe_in": point("right_ankle_roll_link", [0.12, 0.03, -0.035]),
+        "right_heel_out": point("right_ankle_roll_link", [-0.05, -0.025, -0.035]),
+        "right_heel_in": point("right_ankle_roll_link", [-0.05, 0.025, -0.035]),
+    ]
+);
+
+const STEPS: usize = 50;
+const DT: f64 = 0.002;
+const MOTIONS: usize = 64;
+const RUNS: usize = 20;
+
+/// A motion: its first state, and the joint forces of all steps.
+struct Start<R: Robot> {
+    state: State<R>,
+    tau: R::V<f64>,
+}
+
+/// Returns random numbers with about the normal distribution, the same on every machine.
+fn normals() -> impl FnMut() -> f64 {
+    let mut state = 1_u64;
+    let mut uniform = move || {
+        state =
+            state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 11) as f64 / (1_u64 << 53) as f64
+    };
+    move || (0..12).map(|_| uniform()).sum::<f64>() - 6.0
+}
+
+/// Returns the height of the lowest place that can touch the ground.
+fn lowest<R: Robot + functions::LinkPoses>(q: &R::Q<f64>) -> f64 {
+    let poses = R::link_poses(q);
+    let heights = R::TOUCHING_SHAPE_CENTERS.iter().map(|shape| {
+        let pose = poses.as_ref()[shape.link];
+        let parts = pose.rotation[2].iter().zip(shape.place);
+        pose.translation[2] + parts.map(|(axis, place)| axis * place).sum::<f64>()
+    });
+    heights.fold(f64::INFINITY, f64::min)
+}
+
+/// Returns the motions of a kind from a posture, which gives each joint's angle by its name.
+fn starts<R>(kind: &str, posture: fn(&str) -> f64) -> Vec<Start<R>>
+where
+    R: Robot + functions::LinkPoses + functions::ConstrainedInverseDynamics,
+{
+    let mut normal = normals();
+    let still = R::V::<f64>::from_fn(|_| 0.0);
+    let mut standing = R::neutral::<f64>();
+    for (joint, name) in R::JOINT_NAMES.iter().skip(1).enumerate() {
+        standing.as_mut()[7 + joint] = posture(name);
+    }
+    standing.as_mut()[2] -= lowest::<R>(&standing);
+    let targets = R::PerContact::from_fn(|_| ContactTarget::default());
+    let settings =
+        ConstraintSettings::from_numbers(ConstraintSettings::<f64>::DEFAULT.numbers(), targets);
+    let held =
+        R::constrained_inverse_dynamics(&standing, &still, &still, R::Contacts::ALL, &settings);
+    let start = |_| {
+        let mut state: State<R> = State { q: standing, qd: still };
+        let mut tau = held.tau;
+        state.q.as_mut()[7..].iter_mut().for_each(|angle| *angle += 0.02 * normal());
+        match kind {
+            "pushed" => state.qd.as_mut()[..2].iter_mut().for_each(|v| *v = normal()),
+            "falls" => {
+                state.q.as_mut()[2] += 0.05;
+                state.qd.as_mut().iter_mut().for_each(|v| *v = 0.3 * normal());
+                tau = still;
+            }
+            _ => {}
+        }
+        Start { state, tau }
+    };
+    (0..MOTIONS).map(start).collect()
+}
+
+/// Prints the times of a robot's motions.
+fn measure<R>(name: &str, posture: fn(&str) -> f64)
+where
+    R: Robot + functions::LinkPoses + functions::ConstrainedInverseDynamics + functions::Step,
+{
+    let surfaces = R::PerTouchingShape::from_fn(|_| ContactSurface::default());
+    let settings = StepSettings::from_numbers(StepSettings::<f64>::DEFAULT.numbers(), surfaces);
+    for kind in ["stands", "pushed", "falls"] {
+        let motions = starts::<R>(kind, posture);
+        let mut least = f64::INFINITY;
+        let mut iterations = 0.0;
+        let mut unsolved = 0;
+        for _ in 0..RUNS {
+            let begin = Instant::now();
+            iterations = 0.0;
+            unsolved = 0;
+            for Start { state, tau } in &motions {
+                let mut step = state.step(DT, tau, &settings);
+                for k in 0..STEPS {
+                    if k > 0 {
+                        step = step.step(DT, tau, &settings);
+                    }
+                    iterations += step.iterations;
+                    unsolved += usize::from(step.residual > settings.tolerance);
+                }
+            }
+            least = least.min(begin.elapsed().as_secs_f64());
+        }
+        let steps = (MOTIONS * STEPS) as f64;
+        let time = 1e6 * least / steps;
+        println!("| {name} | {kind} | {time:.2} | {:.2} | {unsolved} |", iterations / steps);
+    }
+}
+
+fn main() {
+    println!("| robot | motion | us a step | iterations | unsolved |\n|---|---|---|---|---|");
+    measure::<Quadruped>("quadruped, four feet", |joint| {
+        let front = if joint.starts_with("front") { 1.0 } else { -1.0 };
+        match joint {
+            _ if joint.contains("thigh") || joint.contains("hip_pitch") => 0.6 * front,
+            _ if joint.contains("knee") || joint.contains("calf") => -1.2 * front,
+            _ => 0.0,
+        }
+    });
+    measure::<Humanoid>("humanoid, eight points", |joint| match joint {
+        _ if joint.contains("hip_pitch") => -0.2,
+        _ if joint.contains("knee") => 0.42,
+        _ if joint.contains("ankle_pitch") => -0.22,
+        _ => 0.0,
+    });
+}
