@@ -9,6 +9,7 @@
 mod arrays;
 mod change;
 mod checks;
+mod codes;
 mod conventions;
 mod entries;
 mod errors;
@@ -157,12 +158,14 @@ fn options_table() -> Vec<(&'static str, String, &'static str, &'static str)> {
 #[pymodule]
 mod _modyn {
     #[pymodule_export]
+    use super::codes::CodeHandle;
+    #[pymodule_export]
     use super::conventions::{
         mujoco_from_qacc, mujoco_from_qpos, mujoco_from_qvel, mujoco_to_qacc, mujoco_to_qpos,
         mujoco_to_qvel, pinocchio_angle, pinocchio_cos_sin,
     };
     #[pymodule_export]
-    use super::entries::{CodeHandle, xla_handler};
+    use super::entries::xla_handler;
     #[pymodule_export]
     use super::factorization::Factorization;
     #[cfg(feature = "gpu")]

@@ -22,7 +22,7 @@ use pyo3::types::{PyDict, PyString, PyTuple};
 
 use crate::arrays::{Given, in_order, tuple};
 use crate::change::Change;
-use crate::entries::CodeHandle;
+use crate::codes::CodeHandle;
 use crate::errors::{description_error, warn_of_description, warn_of_machine_code};
 use crate::function::{self, RobotFunction};
 use crate::number::Number;

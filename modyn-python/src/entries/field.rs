@@ -11,7 +11,7 @@ use modyn_codegen::plan::{Derivative, DerivativeMode, EntryFunction};
 use modyn_runtime::simulate::HeightField;
 use modyn_runtime::{ContactSurface, Pose, SettingError, StepSettings};
 
-use super::kernel::{ArrayShapes, Kernel, OwnCode, OwnKernel, StateFunction};
+use crate::codes::{ArrayShapes, Kernel, OwnCode, OwnKernel, StateFunction};
 use crate::number::Number;
 use crate::robot::Robot;
 

@@ -3,69 +3,33 @@
 //!
 //! ```text
 //! Robot ─ plan_entries ─▶ ArrayCode, by a key of its content ─┬─ xla.rs: XLA calls it with its buffers and threads
-//!                                                             └─ handle.rs: arrays of NumPy
+//!                                                             └─ codes/handle.rs: arrays of NumPy
 //! ```
 //!
 //! Code lives as long as a [`CodeHandle`] does. The robot has one, functions of Python have one, and so have
 //! the compiled programs of XLA, which keep the functions that they call.
 
-mod code;
 mod field;
-mod handle;
 mod interface;
-mod kernel;
-mod rollout;
 mod signature;
-mod states;
 mod xla;
 
 use std::sync::{Arc, PoisonError};
 
 use modyn_codegen::plan::{Derivative, DerivativeMode, EntryFunction, Planned};
-use modyn_codegen::{FloatType, Function, Planning};
+use modyn_codegen::{FloatType, Function};
 use numpy::PyReadonlyArray2;
 use numpy::prelude::*;
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
+use crate::codes::{AnyCode, ArrayCode, ArrayShapes, CodeHandle, Identity, StateFunction, no_step};
 use crate::errors::{description_error, warn_of_machine_code};
 use crate::number::Number;
 use crate::robot::Robot;
-use code::ArrayCode;
 use field::{FieldNumbers, FieldStep};
-pub use handle::CodeHandle;
-use handle::Identity;
-use kernel::{ArrayShapes, StateFunction};
 pub use xla::xla_handler;
-
-/// The code of a function of arrays, for either scalar.
-pub enum AnyCode {
-    F64(ArrayCode<f64>),
-    F32(ArrayCode<f32>),
-}
-
-impl AnyCode {
-    /// Returns the only function of a planning, and the reason why there is no machine code, if it
-    /// was wanted.
-    fn new(
-        planning: Planning,
-        arrays: ArrayShapes,
-        scalar: FloatType,
-        machine: bool,
-    ) -> Option<(Self, Option<String>)> {
-        Some(match scalar {
-            FloatType::F64 => {
-                let (function, reason) = StateFunction::new(planning, arrays, machine)?;
-                (Self::F64(ArrayCode::Function(Arc::new(function))), reason)
-            }
-            FloatType::F32 => {
-                let (function, reason) = StateFunction::new(planning, arrays, machine)?;
-                (Self::F32(ArrayCode::Function(Arc::new(function))), reason)
-            }
-        })
-    }
-}
 
 /// Returns a derivative, given its mode and the indices of the arrays that vary.
 fn parsed((mode, variables): (String, Vec<usize>)) -> PyResult<Derivative> {
@@ -163,7 +127,7 @@ impl Robot {
             (AnyCode::F32(step), AnyCode::F32(poses)) => {
                 Ok(AnyCode::F32(self.on_field([step, poses], &numbers, derivative)?))
             }
-            _ => Err(handle::no_step()),
+            _ => Err(no_step()),
         })
     }
 
@@ -368,7 +332,7 @@ impl Robot {
         derivative: Option<Derivative>,
     ) -> PyResult<ArrayCode<S>> {
         let [ArrayCode::Function(step), ArrayCode::Function(poses)] = codes else {
-            return Err(handle::no_step());
+            return Err(no_step());
         };
         let functions = [step, poses].map(Arc::clone);
         let step = FieldStep::new(self, functions, field, derivative)

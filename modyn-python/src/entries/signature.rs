@@ -7,8 +7,8 @@ use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::{PyList, PyTuple};
 
-use super::kernel::ArrayShapes;
 use crate::checks::Check;
+use crate::codes::ArrayShapes;
 use crate::function::{default_settings, default_step_settings};
 use crate::layout::{self, Class, Layout, Leaf};
 use crate::number::Number;

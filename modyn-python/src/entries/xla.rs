@@ -16,14 +16,11 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use pyo3::prelude::*;
 
-use super::AnyCode;
-use super::code::ArrayCode;
-use super::handle::{find, leading, missing};
 use super::interface::{
     Api, Attributes, Buffer, Buffers, CallFrame, Error, ErrorCreate, ErrorDestroy, F32, F64, I64,
     INVALID_ARGUMENT, METADATA, MetadataExtension, NumThreads, SCALAR, ScalarAttribute, Schedule,
 };
-use super::states::{Broadcast, Numbers, Results};
+use crate::codes::{AnyCode, ArrayCode, Broadcast, Numbers, Results, find, leading, missing};
 use crate::number::Number;
 use crate::pool::Pool;
 
