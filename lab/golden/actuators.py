@@ -18,10 +18,10 @@ def numbers(*values):
 
 
 class Maker:
-    """Random parts of a model."""
+    """Random parts of a model with these joints and tendons."""
 
-    def __init__(self, rng):
-        self.rng = rng
+    def __init__(self, rng, joints=tuple(f"j{k}" for k in range(JOINTS)), tendons=("t0", "t1")):
+        self.rng, self.joints, self.tendons = rng, joints, tendons
 
     def maybe(self, text, chance=0.5):
         return text if self.rng.random() < chance else ""
@@ -53,7 +53,9 @@ class Maker:
 
     def target(self):
         rng = self.rng
-        return f'joint="j{rng.integers(JOINTS)}"' if rng.random() < 0.7 else f'tendon="t{rng.integers(2)}"'
+        if rng.random() < 0.7 or not self.tendons:
+            return f'joint="{self.joints[rng.integers(len(self.joints))]}"'
+        return f'tendon="{self.tendons[rng.integers(len(self.tendons))]}"'
 
     def common(self):
         return (self.maybe(f' gear="{self.number(-3, 3)}"') + self.maybe(f' forcerange="{self.pair(6)}"', 0.3)
@@ -94,16 +96,22 @@ class Maker:
         for _ in range(4):
             yield "general", self.general()
 
+    def classes(self):
+        """Default classes. A class does not inherit a range that excludes the attributes of an actuator."""
+        return (f'<default><general gear="{self.number(0.5, 2)}"/><default class="c">'
+                f'<position kp="{self.number(1, 9)}" kv="{self.number(0, 2)}"/>'
+                f'{self.maybe(f"<velocity forcerange={chr(34)}{self.pair(9)}{chr(34)}/>")}</default></default>')
+
+    def section(self):
+        """The actuators, in random order."""
+        actuators = list(self.actuators())
+        self.rng.shuffle(actuators)
+        return "".join(f"<{name} {self.target()}{self.common()}{attributes}/>" for name, attributes in actuators)
+
     def model(self, equality=""):
         rng = self.rng
         clamped = self.maybe('<flag clampctrl="disable"/>', 0.2)
-        # A class does not inherit a range that excludes the attributes of an actuator.
-        classes = (f'<default><general gear="{self.number(0.5, 2)}"/><default class="c">'
-                   f'<position kp="{self.number(1, 9)}" kv="{self.number(0, 2)}"/>'
-                   f'{self.maybe(f"<velocity forcerange={chr(34)}{self.pair(9)}{chr(34)}/>")}</default></default>')
-        actuators = list(self.actuators())
-        rng.shuffle(actuators)
-        actuators = "".join(f"<{name} {self.target()}{self.common()}{attributes}/>" for name, attributes in actuators)
+        classes, actuators = self.classes(), self.section()
         return (f'<mujoco model="m"><compiler angle="radian"/>'
                 f'<option actuatorgroupdisable="{rng.integers(1, 4)}">{clamped}</option>{classes}'
                 f'<worldbody>{self.body(0)}</worldbody><tendon>{self.tendon(0)}{self.tendon(1)}</tendon>{equality}'

@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy
 import pinocchio
 
+import actuated
 import actuators
 import contacts
 import displacements
@@ -181,6 +182,7 @@ def files():
     for name in contacts.ROBOTS:
         yield f"{name}.json", lambda name=name: text(standing(name))
     yield "floors.json", lambda: json.dumps(floors.make(ROOT)) + "\n"
+    yield "actuated.json", lambda: json.dumps(actuated.make(ROOT)) + "\n"
     yield "actuators.json", lambda: json.dumps(actuators.make(ROOT)) + "\n"
     yield "soft_steps.json", lambda: json.dumps(soft_steps.make(ROOT)) + "\n"
 

@@ -483,11 +483,18 @@ impl Builder {
             return Err(error(message, help));
         }
         if source.rollouts.is_empty() {
-            let message = "a rollout needs a function of a time step, and there is none";
-            return Err(error(
-                message,
-                "add `step_semi_implicit` (or `step`, for steps on the ground) to the option `functions`",
-            ));
+            let (message, help) = match rollouts.forces {
+                None => (
+                    "a rollout needs a function of a time step, and there is none",
+                    "add `step_semi_implicit` (or `step`, for steps on the ground) to the option `functions`",
+                ),
+                Some(_) => (
+                    "a rollout with `forces` needs a function of a time step under joint forces, and there is none",
+                    "add `step_semi_implicit` or `step` to the option `functions`; or leave `forces` out for \
+                     `step_actuated`, which has the controls of the actuators",
+                ),
+            };
+            return Err(error(message, help));
         }
         Ok((source, options.warnings))
     }

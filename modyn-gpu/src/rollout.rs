@@ -60,13 +60,13 @@ pub struct RolloutArguments<'a> {
     pub qd: &'a GpuArray,
     /// The controls of all steps, one set after another: an array of `n` states, each with the
     /// scalars of one step times the number of steps. Without the user's function `forces` these
-    /// are the joint forces.
+    /// are the joint forces; for [`Function::StepActuated`] the controls of the actuators.
     pub controls: &'a GpuArray,
     /// The duration of a step, s.
     pub dt: f32,
     /// The settings of the function `step`, one state: the `numbers` of `ConstraintSettings` and of
-    /// each contact's target, or for [`Function::Step`] the `numbers` of `StepSettings` and of each
-    /// touching shape's surface. `None` for the default.
+    /// each contact's target, or for [`Function::Step`] and [`Function::StepActuated`] the `numbers`
+    /// of `StepSettings` and of each touching shape's surface. `None` for the default.
     pub settings: Option<&'a GpuArray>,
     /// Numbers for the user's functions: one state.
     pub data: Option<&'a GpuArray>,
@@ -218,10 +218,11 @@ impl Rollout {
             false => Err(GpuError::States { kernel: kernel(), expected, given: array.states }),
         };
         states(arguments.q.states, arguments.qd)?;
-        if !arguments.controls.scalars.is_multiple_of(source.controls) {
+        let controls = source.rollouts[index].controls;
+        if !arguments.controls.scalars.is_multiple_of(controls) {
             return Err(GpuError::Controls {
                 kernel: kernel(),
-                controls: source.controls,
+                controls,
                 given: arguments.controls.scalars,
             });
         }
@@ -255,7 +256,7 @@ impl Rollout {
                 (None, _) => {}
             }
         }
-        Ok((index, arguments.controls.scalars / source.controls))
+        Ok((index, arguments.controls.scalars / controls))
     }
 
     fn pipeline(&self, index: usize) -> Result<wgpu::ComputePipeline, GpuError> {
@@ -267,7 +268,8 @@ impl Rollout {
 
 /// Returns the default settings of a kernel.
 fn settings(rollout: &GpuRollout) -> Vec<f32> {
-    let [common, contact]: [Vec<f32>; 2] = match rollout.step == Function::Step.name() {
+    let solves = Function::from_name(rollout.step).is_some_and(|step| step.row().has_solver);
+    let [common, contact]: [Vec<f32>; 2] = match solves {
         true => [
             StepSettings::<f32, [ContactSurface<f32>; 0]>::DEFAULT.numbers().into(),
             ContactSurface::<f32>::GROUND.numbers().into(),

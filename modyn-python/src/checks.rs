@@ -27,7 +27,9 @@ impl Check {
             ArgumentKind::Settings => Some(Self::Settings),
             ArgumentKind::StepSettings => Some(Self::StepSettings),
             ArgumentKind::RandomNumbers => Some(Self::Parts),
-            ArgumentKind::Time if matches!(function, Some(Function::Step)) => Some(Self::TimeStep),
+            ArgumentKind::Time if function.is_some_and(|one| one.row().has_solver) => {
+                Some(Self::TimeStep)
+            }
             _ => None,
         }
     }

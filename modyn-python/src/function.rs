@@ -222,7 +222,7 @@ impl<S: Number> Typed<S> {
             (ArgumentKind::StepSettings, None) => {
                 Ok(Given::owned(name, self.step_settings.clone()))
             }
-            (_, None) if *name == "warm_start" => {
+            (_, None) if has_zeros(name) => {
                 Ok(Given::owned(name, vec![S::zero(); shape.iter().product()]))
             }
             (ArgumentKind::Activations, None) if shape.iter().product::<usize>() == 0 => {
@@ -540,6 +540,11 @@ fn rounded<S: Number>(inertial: &Inertial) -> Inertial<S> {
 pub fn default_settings<S: Number>(length: usize) -> Vec<S> {
     let contacts = S::GROUND.numbers().into_iter().cycle();
     S::SETTINGS.numbers().into_iter().chain(contacts).take(length).collect()
+}
+
+/// Returns whether an argument is zeros where it is not given.
+pub fn has_zeros(argument: &str) -> bool {
+    ["applied", "warm_start"].contains(&argument)
 }
 
 /// Returns the settings of steps by the description, in the order of `StepSettings`.

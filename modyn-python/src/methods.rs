@@ -707,7 +707,8 @@ impl Robot {
     /// constraints whose forces minimize a convex function. The solver is Newton's method, to the
     /// tolerance of `settings`; `residual` says how far it came, relative to the largest force. It
     /// starts from the accelerations `warm_start`: `qdd` of the last step, or zeros. The integrator
-    /// is semi-implicit Euler, implicit in joint damping.
+    /// is semi-implicit Euler, implicit in joint damping, or MuJoCo's `implicitfast`, as the
+    /// description says.
     ///
     /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number; `warm_start`: (nv,), by
     /// default zeros; `settings`: `StepSettings`, by default the result of `step_settings()`.
@@ -751,6 +752,35 @@ impl Robot {
         self.call(py, 37, &[Some(q), Some(qd), Some(ctrl), Some(dt), act], None, out)
     }
 
+    /// Returns the state and the activations after a step of the time `dt` (s) under the controls
+    /// `ctrl`: MuJoCo's `mj_step`. The joint forces are the result of `actuate` at the state before
+    /// the step, and the forces `applied` beside it (MuJoCo's `qfrc_applied`). All else is as in
+    /// `step`.
+    ///
+    /// Arguments: `q`: (nq,); `qd`: (nv,); `ctrl`: (controls,); `dt`: a number; `act`:
+    /// (activations,), which a robot without activations leaves out; `applied`: (nv,), by default
+    /// zeros; `warm_start`: (nv,), by default zeros; `settings`: `StepSettings`, by default the
+    /// result of `step_settings()`.
+    /// Result: `ActuatedStep`: `q` (nq,), `qd` (nv,), `act` (activations,), `qdd` (nv,), `forces`
+    /// (touching points, 3), `residual` a number, `iterations` a number. Several states have one
+    /// more axis, the first.
+    #[pyo3(signature = (q, qd, ctrl, dt, act=None, applied=None, warm_start=None, settings=None, *, out=None))]
+    fn step_actuated<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        qd: &Bound<'py, PyAny>,
+        ctrl: &Bound<'py, PyAny>,
+        dt: &Bound<'py, PyAny>,
+        act: Argument<'_, 'py>,
+        applied: Argument<'_, 'py>,
+        warm_start: Argument<'_, 'py>,
+        settings: Argument<'_, 'py>,
+        out: Argument<'_, 'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        self.call(py, 38, &[Some(q), Some(qd), Some(ctrl), Some(dt), act, applied, warm_start, settings], None, out)
+    }
+
     /// Returns the joint forces of the accelerations `qdd`, the wrenches of the active contacts
     /// that carry the floating bases, and the rank of the contacts' columns of the bases. The
     /// wrenches have the smallest sum of (force^2 + (moment / l)^2) / weight with the
@@ -773,7 +803,7 @@ impl Robot {
         settings: Argument<'_, 'py>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 38, &[Some(q), Some(qd), Some(qdd), contacts, settings], None, out)
+        self.call(py, 39, &[Some(q), Some(qd), Some(qdd), contacts, settings], None, out)
     }
 
     /// Returns the Jacobian of each constraint. The product with `qd` is, for a loop constraint,
@@ -791,7 +821,7 @@ impl Robot {
         q: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 39, &[Some(q)], None, out)
+        self.call(py, 40, &[Some(q)], None, out)
     }
 
     /// Returns the bias acceleration of each constraint: the time derivative of
@@ -808,7 +838,7 @@ impl Robot {
         qd: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 40, &[Some(q), Some(qd)], None, out)
+        self.call(py, 41, &[Some(q), Some(qd)], None, out)
     }
 
     /// Returns the operational-space inertia of the constraints, its inverse J M^-1 J^T with the
@@ -831,7 +861,7 @@ impl Robot {
         settings: Argument<'_, 'py>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 41, &[Some(q), contacts, settings], None, out)
+        self.call(py, 42, &[Some(q), contacts, settings], None, out)
     }
 
     /// Returns the regressor Y of inverse dynamics: tau = Y pi, without rotors and friction. pi has
@@ -849,7 +879,7 @@ impl Robot {
         qdd: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 42, &[Some(q), Some(qd), Some(qdd)], None, out)
+        self.call(py, 43, &[Some(q), Some(qd), Some(qdd)], None, out)
     }
 
     /// Returns the centre of mass of the moving links in world axes, m.
@@ -863,7 +893,7 @@ impl Robot {
         q: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 43, &[Some(q)], None, out)
+        self.call(py, 44, &[Some(q)], None, out)
     }
 
     /// Returns the Jacobian of the centre of mass. Its product with `qd` is the velocity of the
@@ -878,7 +908,7 @@ impl Robot {
         q: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 44, &[Some(q)], None, out)
+        self.call(py, 45, &[Some(q)], None, out)
     }
 
     /// Returns the centroidal momentum matrix. Its product with `qd` is the momentum about the
@@ -895,7 +925,7 @@ impl Robot {
         q: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 45, &[Some(q)], None, out)
+        self.call(py, 46, &[Some(q)], None, out)
     }
 
     /// Returns the centroidal composite inertia. Its product with a twist is the momentum about the
@@ -912,7 +942,7 @@ impl Robot {
         q: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 46, &[Some(q)], None, out)
+        self.call(py, 47, &[Some(q)], None, out)
     }
 
     /// Returns the momentum of the moving links about their centre of mass, in world axes. Rotors
@@ -929,7 +959,7 @@ impl Robot {
         qd: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 47, &[Some(q), Some(qd)], None, out)
+        self.call(py, 48, &[Some(q), Some(qd)], None, out)
     }
 
     /// Returns the time derivative of the centroidal momentum in world axes: the moment (N m) and
@@ -948,7 +978,7 @@ impl Robot {
         qdd: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 48, &[Some(q), Some(qd), Some(qdd)], None, out)
+        self.call(py, 49, &[Some(q), Some(qd), Some(qdd)], None, out)
     }
 
     /// Returns the momentum of the moving links about their centre of mass, its time derivative at
@@ -969,7 +999,7 @@ impl Robot {
         qdd: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 49, &[Some(q), Some(qd), Some(qdd)], None, out)
+        self.call(py, 50, &[Some(q), Some(qd), Some(qdd)], None, out)
     }
 
     /// Returns the poses in the world of all links of the description, fixed links included, in the
@@ -985,7 +1015,7 @@ impl Robot {
         q: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 50, &[Some(q)], None, out)
+        self.call(py, 51, &[Some(q)], None, out)
     }
 
     /// Returns the pose of a link in the world. Computes the link's kinematic path only.
@@ -1001,7 +1031,7 @@ impl Robot {
         link: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 51, &[Some(q)], Some(link), out)
+        self.call(py, 52, &[Some(q)], Some(link), out)
     }
 
     /// Returns the velocity of a link's origin (m/s) and its angular velocity (rad/s), in world
@@ -1020,7 +1050,7 @@ impl Robot {
         link: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 52, &[Some(q), Some(qd)], Some(link), out)
+        self.call(py, 53, &[Some(q), Some(qd)], Some(link), out)
     }
 
     /// Returns the velocity of a link's origin (m/s) and its angular velocity (rad/s), in the
@@ -1039,7 +1069,7 @@ impl Robot {
         link: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 53, &[Some(q), Some(qd)], Some(link), out)
+        self.call(py, 54, &[Some(q), Some(qd)], Some(link), out)
     }
 
     /// Returns the classical acceleration of a link's origin (m/s^2) and its angular acceleration
@@ -1059,7 +1089,7 @@ impl Robot {
         link: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 54, &[Some(q), Some(qd), Some(qdd)], Some(link), out)
+        self.call(py, 55, &[Some(q), Some(qd), Some(qdd)], Some(link), out)
     }
 
     /// Returns the classical acceleration of a link's origin (m/s^2) and its angular acceleration
@@ -1080,7 +1110,7 @@ impl Robot {
         link: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 55, &[Some(q), Some(qd), Some(qdd)], Some(link), out)
+        self.call(py, 56, &[Some(q), Some(qd), Some(qdd)], Some(link), out)
     }
 
     /// Returns the Jacobian of a link. Its product with `qd` is the velocity of the link at its
@@ -1097,7 +1127,7 @@ impl Robot {
         link: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 56, &[Some(q)], Some(link), out)
+        self.call(py, 57, &[Some(q)], Some(link), out)
     }
 
     /// Returns the Jacobian of a link. Its product with `qd` is the velocity of the link at its
@@ -1114,7 +1144,7 @@ impl Robot {
         link: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 57, &[Some(q)], Some(link), out)
+        self.call(py, 58, &[Some(q)], Some(link), out)
     }
 
     /// Returns the time derivative of `jacobian`. Its product with `qd` is `bias_acceleration`.
@@ -1133,7 +1163,7 @@ impl Robot {
         link: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 58, &[Some(q), Some(qd)], Some(link), out)
+        self.call(py, 59, &[Some(q), Some(qd)], Some(link), out)
     }
 
     /// Returns the time derivative of `local_jacobian`. Its product with `qd` is
@@ -1152,7 +1182,7 @@ impl Robot {
         link: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 59, &[Some(q), Some(qd)], Some(link), out)
+        self.call(py, 60, &[Some(q), Some(qd)], Some(link), out)
     }
 
     /// Returns the bias acceleration of a link in world axes: the time derivative of `jacobian`
@@ -1172,7 +1202,7 @@ impl Robot {
         link: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 60, &[Some(q), Some(qd)], Some(link), out)
+        self.call(py, 61, &[Some(q), Some(qd)], Some(link), out)
     }
 
     /// Returns the bias acceleration of a link in its own axes: the time derivative of
@@ -1191,7 +1221,7 @@ impl Robot {
         link: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 61, &[Some(q), Some(qd)], Some(link), out)
+        self.call(py, 62, &[Some(q), Some(qd)], Some(link), out)
     }
 
     /// Returns the coordinates after the displacement `v` (a velocity times a time) from `q`.
@@ -1206,7 +1236,7 @@ impl Robot {
         v: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 62, &[Some(q), Some(v)], None, out)
+        self.call(py, 63, &[Some(q), Some(v)], None, out)
     }
 
     /// Returns the displacement `v` with which `integrate` leads from `from_` to `to`. Rotations
@@ -1222,7 +1252,7 @@ impl Robot {
         to: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 63, &[Some(from_), Some(to)], None, out)
+        self.call(py, 64, &[Some(from_), Some(to)], None, out)
     }
 
     /// Returns the derivatives of `integrate` with respect to `q` and `v` in tangent space:
@@ -1239,7 +1269,7 @@ impl Robot {
         v: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 64, &[Some(q), Some(v)], None, out)
+        self.call(py, 65, &[Some(q), Some(v)], None, out)
     }
 
     /// Returns the derivatives of `difference` with respect to `from_` and `to` in tangent space:
@@ -1256,7 +1286,7 @@ impl Robot {
         to: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 65, &[Some(from_), Some(to)], None, out)
+        self.call(py, 66, &[Some(from_), Some(to)], None, out)
     }
 
     /// Returns dq/dt, the rates of the coordinates `q` at the velocities `qd`.
@@ -1271,7 +1301,7 @@ impl Robot {
         qd: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 66, &[Some(q), Some(qd)], None, out)
+        self.call(py, 67, &[Some(q), Some(qd)], None, out)
     }
 
     /// Returns the coordinates with quaternions scaled to length 1.
@@ -1285,7 +1315,7 @@ impl Robot {
         q: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 67, &[Some(q)], None, out)
+        self.call(py, 68, &[Some(q)], None, out)
     }
 
     /// Returns coordinates within the joint limits, from random numbers uniformly distributed in
@@ -1301,7 +1331,7 @@ impl Robot {
         uniforms: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 68, &[Some(uniforms)], None, out)
+        self.call(py, 69, &[Some(uniforms)], None, out)
     }
     // <!-- end -->
 }

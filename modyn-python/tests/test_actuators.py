@@ -59,3 +59,71 @@ def test_robots_without_actuators_do_not_have_the_function():
     robot = modyn.loads(TEXT.format(""), file="m.xml")
     with pytest.raises(ValueError, match="only robots with actuators .* have the function `actuate`"):
         robot.actuate([0, 0], [0, 0], [], 0.01)
+
+
+def test_applied_forces_are_added_to_those_of_the_actuators():
+    robot = modyn.loads(TEXT.format(ACTUATORS), file="m.xml", friction="none")
+    q, qd, ctrl, act = (x[0] for x in states(robot, 1))
+    applied = np.array([0.3, -0.2])
+    tau, after = robot.actuate(q, qd, ctrl, 0.004, act)
+    expected = robot.step(q, qd, tau + applied, 0.004)
+    found = robot.step_actuated(q, qd, ctrl, 0.004, act, applied)
+    for name in ("q", "qd", "qdd"):
+        assert np.allclose(getattr(found, name), getattr(expected, name), rtol=0, atol=1e-12)
+    assert np.array_equal(found.act, after)
+    without = robot.step_actuated(q, qd, ctrl, 0.004, act)
+    assert np.array_equal(without.q, robot.step_actuated(q, qd, ctrl, 0.004, act, np.zeros(2)).q)
+
+
+@pytest.mark.parametrize("integrator", ["Euler", "implicitfast"])
+def test_gradients_of_steps_under_controls(integrator):
+    """First derivatives with respect to the state, the controls, the activations and the applied forces, and of a rollout."""
+    jax = pytest.importorskip("jax")
+    import modyn.jax
+
+    jax.config.update("jax_enable_x64", True)
+    text = TEXT.format(ACTUATORS).replace("<option ", f'<option integrator="{integrator}" ')
+    robot = modyn.loads(text, file="m.xml", friction="none")
+    rng = np.random.default_rng(5)
+    q, qd, act, applied = (0.3 * rng.normal(size=n) for n in (2, 2, 2, 2))
+    ctrl = 0.3 * rng.normal(size=(6, 4))
+    weights = rng.normal(size=(3, 2))
+
+    def value(q, qd, ctrl, act, applied, call):
+        x = call(q, qd, ctrl, act, applied)
+        last = lambda array: array[-1] if array.ndim == 2 else array
+        return sum((w * last(part)).sum() for w, part in zip(weights, (x.q, x.qd, x.act)))
+
+    step = modyn.jax.function(robot, "step_actuated")
+    rollout = modyn.jax.rollout(robot, "actuated")
+    calls = {
+        "step": (lambda q, qd, ctrl, act, applied: step(q, qd, ctrl[0], 0.004, act, applied)),
+        "rollout": (lambda q, qd, ctrl, act, applied: rollout(q, qd, ctrl, 0.004, act=act, applied=applied)),
+    }
+    for name, call in calls.items():
+        given = [q, qd, ctrl, act, applied]
+        found = jax.grad(value, argnums=range(5))(*given, call)
+        for k, gradient in enumerate(found):
+            for at in np.ndindex(given[k].shape):
+                def moved(by):
+                    arrays = [x.copy() for x in given]
+                    arrays[k][at] += by
+                    return float(value(*arrays, call))
+
+                h = 1e-5
+                expected = (moved(h) - moved(-h)) / (2 * h)
+                assert abs(gradient[at] - expected) < 1e-7 * max(1, abs(expected)), (name, k, at)
+
+
+def test_rollouts_name_what_they_lack():
+    robot = modyn.loads(TEXT.format(ACTUATORS), file="m.xml")
+    motion = robot.rollout([0, 0], [0, 0], np.zeros((3, 4)), 0.004, step="actuated")
+    assert motion.act.shape == (3, 2) and type(motion).__name__ == "ActuatedStep"
+    with pytest.raises(ValueError, match=r"`controls` of `rollout` has the shape \(3, 2\); expected \(3, 4\)"):
+        robot.rollout([0, 0], [0, 0], np.zeros((3, 2)), 0.004, step="actuated")
+    with pytest.raises(TypeError, match="has no feedback"):
+        robot.rollout([0, 0], [0, 0], np.zeros((3, 4)), 0.004, step="actuated", gains=np.zeros((2, 4)), q_ref=[0, 0], qd_ref=[0, 0])
+    with pytest.raises(TypeError, match="`act` is an argument of rollouts"):
+        robot.rollout([0, 0], [0, 0], np.zeros((3, 2)), 0.004, act=[0, 0])
+    gradients = robot.rollout_vjp([0, 0], [0, 0], np.zeros((3, 4)), 0.004, np.ones((3, 2)), None, step="actuated")
+    assert gradients.controls.shape == (3, 4) and gradients.act.shape == (2,) and gradients.applied.shape == (2,)

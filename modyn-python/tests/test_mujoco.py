@@ -336,3 +336,37 @@ def test_collisions_of_a_urdf_touch_the_ground(seed):
         velocity = theirs.to_qvel(q, qd)
         assert abs(velocity - data.qvel).max() <= 1e-6 * max(1, abs(data.qvel).max())
     assert touching > 10
+
+
+@pytest.mark.parametrize("scene", range(16))
+@pytest.mark.filterwarnings("ignore:.*in `step`")
+def test_motions_under_controls(scene):
+    """Motions of 50 steps of random robots over planes with actuators of all kinds, by both integrators. Each step starts from
+    the accelerations and the activations of the last one."""
+    case = json.loads((GOLDEN / "actuated.json").read_text())[scene]
+    robot = modyn.loads(case["mjcf"], file="floor.xml", unread_forces="warn", mimic="independent")
+    model = mujoco.MjModel.from_xml_string(case["mjcf"])
+    model.opt.timestep, model.opt.tolerance, model.opt.ls_tolerance = case["step"], 0, 1e-12
+    model.opt.iterations, model.opt.ls_iterations = 300, 100
+    data = mujoco.MjData(model)
+    settings = robot.step_settings()
+    settings.tolerance = 1e-13
+    theirs = modyn.conventions.MuJoCo(robot, model)
+    start = case["states"][0]
+    q, qd, ctrl, act, applied = (np.array(start[name]) for name in ("q", "qd", "ctrl", "act", "applied"))
+    data.qpos[:], data.qvel[:], data.act[:] = theirs.to_qpos(q), theirs.to_qvel(q, qd), act
+    data.qfrc_applied[:] = applied
+    controls = ctrl * np.cos(0.1 * np.arange(50))[:, None]
+    motion = robot.rollout(q, qd, controls, case["step"], step="actuated", act=act, applied=applied, settings=settings)
+    qdd = np.zeros(robot.nv)
+    for k, ctrl in enumerate(controls):
+        x = robot.step_actuated(q, qd, ctrl, case["step"], act, applied, qdd, settings)
+        data.ctrl[:] = ctrl
+        mujoco.mj_step(model, data)
+        q, qd, act, qdd = x.q, x.qd, x.act, x.qdd
+        velocity = theirs.to_qvel(q, qd)
+        assert abs(velocity - data.qvel).max() <= 1e-6 * max(1, abs(data.qvel).max()), k
+        close(act, data.act, 1e-6)
+        for found, expected in zip(motion, x):
+            close(found[k], expected, 1e-7)
+    close(theirs.to_qpos(q), data.qpos, 1e-6)

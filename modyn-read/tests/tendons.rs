@@ -3,7 +3,9 @@
 
 use modyn_read::diagnostics::{Diagnostics, Severity};
 use modyn_read::{Mimic, ReadOptions, Reading};
-use modyn_runtime::model::{Friction, JointSum, Model, Softness, TendonJoint, TendonSpring};
+use modyn_runtime::model::{
+    Friction, Integrator, JointSum, Model, Softness, TendonJoint, TendonSpring,
+};
 
 /// Returns the model of two joints with references, and these elements.
 fn tied(elements: &str, options: &ReadOptions) -> Result<Reading, Diagnostics> {
@@ -166,38 +168,28 @@ fn linear_couplings_of_independent_joints_are_soft() {
     assert_eq!(reading.warnings.len(), 1, "of friction: {:?}", reading.warnings);
 }
 
-/// `step` is implicit in the damping of joints only, as MuJoCo's `Euler`.
+/// Steps have MuJoCo's `Euler` and `implicitfast`.
 #[test]
 fn integrators_with_other_steps_are_said() {
-    let warns = |integrator: &str, elements: &str| {
-        let options = ReadOptions { unread_forces: Severity::Warning, ..ReadOptions::default() };
-        let option = format!("<option integrator=\"{integrator}\"/>");
-        let warnings = tied(&(option + elements), &options).expect(integrator).warnings;
-        warnings.iter().any(|warning| warning.message.contains("the integrator `Euler`"))
-    };
+    let options = ReadOptions { unread_forces: Severity::Warning, ..ReadOptions::default() };
     let damped = tendons(r#"damping="1""#);
-    let servo = |law: &str| {
-        format!("<actuator><general joint=\"a\" biastype=\"affine\" biasprm=\"{law}\"/></actuator>")
-    };
-    for (integrator, elements, expected) in [
-        ("Euler", &damped, false),
-        ("RK4", &String::new(), true),
-        ("implicit", &String::new(), true),
-        ("implicitfast", &String::new(), false),
-        ("implicitfast", &damped, true),
-        ("implicitfast", &servo("0 -3"), false),
-        ("implicitfast", &servo("0 -3 -1"), true),
-    ] {
-        assert_eq!(warns(integrator, elements), expected, "{integrator}: {elements}");
+    let cases = [
+        ("Euler", Integrator::Euler, None),
+        ("RK4", Integrator::Euler, Some("`Euler` in place of `RK4`")),
+        ("implicit", Integrator::ImplicitFast, Some("`implicitfast` in place of `implicit`")),
+        ("implicitfast", Integrator::ImplicitFast, None),
+    ];
+    for (name, integrator, expected) in cases {
+        let option = format!("<option integrator=\"{name}\"/>");
+        let reading = tied(&(option + &damped), &options).expect(name);
+        assert_eq!(reading.model.soft_constraints().integrator, integrator, "{name}");
+        let mut messages = reading.warnings.iter().map(|warning| &warning.message);
+        let warning = messages.find(|message| message.contains("the integrator"));
+        assert_eq!(warning.is_some(), expected.is_some(), "{name}: {warning:?}");
+        assert!(warning.is_none_or(|text| text.contains(expected.unwrap_or_default())), "{name}");
     }
-    let body = |child: &str| {
-        let text = format!(
-            r#"<mujoco model="m"><option integrator="implicitfast"/><worldbody><body><freejoint/><geom size="1"/>
-            <body><geom size="0.1"/>{child}</body></body></worldbody></mujoco>"#
-        );
-        modyn_read::read(&text, "m.xml", &ReadOptions::default()).expect("a body").warnings.len()
-    };
-    assert_eq!([body(""), body("<joint/>")], [1, 0]);
+    let default = tied("", &options).expect("an MJCF");
+    assert_eq!(default.model.soft_constraints().integrator, Integrator::Euler);
 }
 
 /// Options of MuJoCo's solver that lead to other steps have a warning each, where they have an effect.

@@ -85,7 +85,7 @@ pub use float::{ELEMENTARY_F32, ELEMENTARY_F64, ElementaryNumbers};
 pub use inertial::{Inertial, InertialDefect};
 pub use parameters::ParameterError;
 pub use results::{
-    ActuatorForces, CentroidalMomentumDerivatives, ConstrainedForwardDynamics,
+    ActuatedStep, ActuatorForces, CentroidalMomentumDerivatives, ConstrainedForwardDynamics,
     ConstrainedForwardDynamicsDerivatives, ConstrainedForwardDynamicsHessian,
     ConstrainedInverseDynamics, ConstraintProjection, ConstraintResidual, ContactImpulse,
     DifferenceDerivatives, ForwardDynamicsDerivatives, ForwardDynamicsHessian, ForwardDynamicsJvp,

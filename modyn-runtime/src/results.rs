@@ -280,6 +280,27 @@ pub struct StepSolution<Q, V, A, P, R, I> {
     pub iterations: I,
 }
 
+/// The state after a step under the controls of actuators, the forces in it, and how its solver
+/// ended.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ActuatedStep<Q, V, C, A, P, R, I> {
+    /// The coordinates after the step.
+    pub q: Q,
+    /// The velocities after the step, rad/s or m/s.
+    pub qd: V,
+    /// The activations after the step.
+    pub act: C,
+    /// The accelerations in the step, from which the next step starts, rad/s^2 or m/s^2.
+    pub qdd: A,
+    /// The force of each contact along the x and y axes of its plane, then along the normal, N.
+    pub forces: P,
+    /// The largest mismatch between the forces and their laws, divided by the sum of the robot's weight and the
+    /// largest force. NaN if an argument is NaN.
+    pub residual: R,
+    /// The number of iterations of Newton's method.
+    pub iterations: I,
+}
+
 /// The joint forces of accelerations, and the wrenches of the contacts that carry the floating
 /// bases.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -212,10 +212,9 @@ fn touching(seed: u64) -> Model {
     model.with_contacts(contacts).expect("links that move")
 }
 
-/// Returns the random robots of MJCF over a plane, with their states.
-fn floors() -> Vec<(Model, Value)> {
-    let data =
-        std::fs::read_to_string(format!("{}/golden/floors.json", env!("CARGO_MANIFEST_DIR")));
+/// Returns the random robots of MJCF over a plane in a file of reference data, with their states.
+fn floors(file: &str) -> Vec<(Model, Value)> {
+    let data = std::fs::read_to_string(format!("{}/golden/{file}", env!("CARGO_MANIFEST_DIR")));
     let data: Value = serde_json::from_str(&data.expect("the reference data")).expect("good");
     // The forces of tendons act in steps, and so do all couplings.
     let options = ReadOptions {
@@ -239,24 +238,51 @@ fn floors() -> Vec<(Model, Value)> {
 /// limits and friction of all kinds, loops, tendons, couplings, and the settings of all of these.
 #[test]
 fn steps_on_a_floor_are_those_of_mujoco() {
-    for (k, (model, file)) in floors().iter().enumerate() {
+    for (k, (model, file)) in floors("floors.json").iter().enumerate() {
         let mut robot = Interpreter::<f64>::new(model.clone());
         for state in list(&file["states"]) {
             let [q, qd, tau] = ["q", "qd", "tau"].map(|name| numbers(&state[name]));
-            let settings = StepSettings { tolerance: 1e-13, ..model.step_settings() };
-            let surfaces = settings.contacts.iter().flat_map(ContactSurface::numbers);
-            let settings = settings.numbers().into_iter().chain(surfaces).collect();
             let dt = vec![number(&file["step"])];
-            let given = [q, qd, tau, dt, vec![0.0; model.nv()], settings];
+            let given = [q, qd, tau, dt, vec![0.0; model.nv()], tight_settings(model)];
             let found = interpreted(&mut robot, Function::Step, &given);
-            let expected = ["next_q", "next_qd"].map(|name| numbers(&state[name])).concat();
-            let largest = expected[model.nq()..].iter().fold(1.0, |most: f64, x| most.max(x.abs()));
-            for (found, expected) in found.iter().zip(&expected) {
-                let error = (found - expected).abs() / largest;
-
-                assert!(error <= TOLERANCE, "{k}: {found} {expected}, {error:e}: {state}");
-            }
+            let expected = ["next_q", "next_qd"].map(|name| numbers(&state[name]));
+            compare(&format!("{k}: {state}"), &found, &expected);
         }
+    }
+}
+
+/// The same robots with actuators of all kinds and with further free bodies, by both integrators.
+#[test]
+fn steps_under_controls_are_those_of_mujoco() {
+    for (k, (model, file)) in floors("actuated.json").iter().enumerate() {
+        let mut robot = Interpreter::<f64>::new(model.clone());
+        for state in list(&file["states"]) {
+            let [q, qd, ctrl, act, applied] =
+                ["q", "qd", "ctrl", "act", "applied"].map(|name| numbers(&state[name]));
+            let dt = vec![number(&file["step"])];
+            let zeros = vec![0.0; model.nv()];
+            let given = [q, qd, ctrl, dt, act, applied, zeros, tight_settings(model)];
+            let found = interpreted(&mut robot, Function::StepActuated, &given);
+            let expected = ["next_q", "next_qd", "next_act"].map(|name| numbers(&state[name]));
+            compare(&format!("{k}: {state}"), &found, &expected);
+        }
+    }
+}
+
+/// Returns the settings of a step by the description, with a small tolerance.
+fn tight_settings(model: &Model) -> Vec<f64> {
+    let settings = StepSettings { tolerance: 1e-13, ..model.step_settings() };
+    let surfaces = settings.contacts.iter().flat_map(ContactSurface::numbers);
+    settings.numbers().into_iter().chain(surfaces).collect()
+}
+
+/// Compares the first results of a step with the expected ones, of which the second are the
+/// velocities.
+fn compare(what: &str, found: &[f64], expected: &[Vec<f64>]) {
+    let largest = expected[1].iter().fold(1.0, |most: f64, x| most.max(x.abs()));
+    for (found, expected) in found.iter().zip(expected.concat()) {
+        let error = (found - expected).abs() / largest;
+        assert!(error <= TOLERANCE, "{what}: {found} {expected}, {error:e}");
     }
 }
 

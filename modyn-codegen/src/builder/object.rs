@@ -51,14 +51,15 @@ impl Builder {
         let mut inputs = self.inputs_without(&REFUSED)?;
         let mut plan = inputs.machine_code()?;
         let Inputs { model, files, modules, mut options, .. } = inputs;
-        let without_form = [
-            (Function::Brge, "use `mass_matrix` and `forward_dynamics`"),
-            (Function::Step, "use the target `c` or `rust`"),
-        ];
-        let has = |function| plan.functions.iter().any(|one| one.function == Some(function));
-        let left_out: Vec<_> = without_form.iter().filter(|(function, _)| has(*function)).collect();
-        let is_left_out = |one: Option<Function>| left_out.iter().any(|(f, _)| Some(*f) == one);
-        plan.functions.retain(|planned| !is_left_out(planned.function));
+        let help = |function: Function| match function {
+            Function::Brge => Some("use `mass_matrix` and `forward_dynamics`"),
+            _ if function.row().has_solver => Some("use the target `c` or `rust`"),
+            _ => None,
+        };
+        let selected = plan.functions.iter().filter_map(|planned| planned.function);
+        let left_out: Vec<(Function, &str)> =
+            selected.filter_map(|function| Some((function, help(function)?))).collect();
+        plan.functions.retain(|planned| planned.function.and_then(help).is_none());
         plan.factorization.clear();
         // `default` and `all` are requests for the functions that there are.
         let is_wanted = self.options.code.functions.as_ref().is_some_and(|selected| {
@@ -68,7 +69,7 @@ impl Builder {
             let message =
                 format!("`{}` has no form in object files, and is left out", function.name());
             let warning = Diagnostic::new(Severity::Warning, Code::Option, message);
-            options.warnings.push(warning.with_help(*help));
+            options.warnings.push(warning.with_help(help));
         }
         let warnings = options.warnings.clone();
         let planning = Planning { plan, model, warnings, files };

@@ -217,14 +217,14 @@ impl EntryFunction {
             }
             None if *feedback || *cost => {
                 let step = match row.has_solver {
-                    true => context.refined_step(),
+                    true => context.refined_step(*function),
                     false => packing::on_scalars(*function, context),
                 };
                 let difference = packing::on_scalars(Function::Difference, context);
                 let tracer = &context.tracer;
                 optimize(tracer.with_extras(*feedback, *cost, settings, &step, &difference))
             }
-            None if row.has_solver => context.refined_step(),
+            None if row.has_solver => context.refined_step(*function),
             None => packing::on_scalars(*function, context),
         };
         let is_packed = link.is_none()
@@ -315,7 +315,7 @@ impl Planned {
         let (kernels, fault) = match solves {
             true => {
                 let form = StepForm::Entries { feedback: function.feedback };
-                (context.step(scalars, form), None)
+                (context.step(function.function, scalars, form), None)
             }
             false => context.kernels(&graph, packed, scalars),
         };

@@ -234,7 +234,9 @@ impl Lowering {
                     .packed(Packing::ConstrainedColumns)
                     .rows(|t, s, inputs| t.operational_inertia_around_rows(&s.layout, inputs))
             }
-            Function::Step => Lowering { source: GraphSource::Step, ..Lowering::EVALUATED },
+            Function::Step | Function::StepActuated => {
+                Lowering { source: GraphSource::Step, ..Lowering::EVALUATED }
+            }
             Function::LinkPoses => Lowering { source: GraphSource::Poses, ..Lowering::EVALUATED },
             Function::LinkPose => Lowering::EVALUATED.in_bundles(|t| t.link_pose_from_world(0)),
             Function::LinkAcceleration => {

@@ -29,8 +29,8 @@ const VARIES: f64 = 1e-6;
 impl PlanContext<'_> {
     /// Returns a number of operations that a function takes at least, without tracing it: some for
     /// its results, for the factors of the mass matrix if the function has a dense solution or
-    /// result, one for each ancestor of a link, and some for the elimination of constraint rows. The
-    /// function `step` takes at least the operations of forward dynamics.
+    /// result, one for each ancestor of a link, and some for the elimination of constraint rows. A
+    /// step with a solver takes at least the operations of forward dynamics.
     /// `usize::MAX` if its graph on scalars alone has too many nodes.
     pub(super) fn least_operations(&self, function: Function) -> usize {
         let row = function.row();
@@ -50,7 +50,7 @@ impl PlanContext<'_> {
         }
         let further = match one {
             Function::Brge => self.least_of_factors(),
-            Function::Step => self.forward_dynamics.graph.count().total(),
+            _ if row.has_solver => self.forward_dynamics.graph.count().total(),
             _ if eliminates_rows(one) => self.least_of_rows(),
             _ => 0,
         };

@@ -50,7 +50,7 @@ pub(crate) use functions::signatures;
 pub use functions::{CForm, GraphSource, Lowering, Packing, unknown_function};
 pub use limit::{MAX_LINKS, MAX_OPERATIONS, TooLong};
 pub use packing::COLUMN_LANES;
-pub use planned::{CARRIED, Kernels, Planned};
+pub use planned::{CARRIED, Kernels, PLANNED, Planned};
 pub use user::{
     MAX_USER_OPERATIONS, NamedFunction, TracedForm, TracedFunction, UserForm, UserPlanError,
 };

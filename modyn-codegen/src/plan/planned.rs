@@ -7,9 +7,13 @@ use super::functions::CForm;
 use super::{Argument, Function, Record, Shape};
 use crate::program::{InvalidProgram, Program};
 
-/// The arguments of time steps that begin with zeros, and then are results of the step before. In
-/// results they follow q and qd.
-pub const CARRIED: [&str; 1] = ["warm_start"];
+/// The arguments of time steps that a plan has for each step, the first one of a step's arguments,
+/// and what they are.
+pub const PLANNED: [(&str, &str); 2] = [("ctrl", "controls"), ("tau", "joint forces")];
+
+/// The arguments of time steps that are results of the step before. In results they follow q and qd,
+/// in this order.
+pub const CARRIED: [&str; 2] = ["act", "warm_start"];
 
 /// A function or a bundle of functions, planned for a robot.
 pub struct Planned {
@@ -137,7 +141,7 @@ impl Planned {
     pub fn rollout(&self) -> Option<String> {
         match self.result {
             _ if self.function.is_none() => None,
-            Shape::Record(Record::Each("Step" | "StepSolution"), _) => {
+            Shape::Record(Record::Each("Step" | "StepSolution" | "ActuatedStep"), _) => {
                 Some(self.name.replacen("step", "rollout", 1))
             }
             _ => None,

@@ -21,7 +21,7 @@ use crate::graph::Graph;
 use crate::intern::intern;
 use crate::passes::{balance, optimize};
 use crate::program::{Execution, InvalidProgram, Program};
-use crate::trace::{EliminationOf, StepGraph, Tracer};
+use crate::trace::{Drive, EliminationOf, StepGraph, Tracer};
 
 /// The scalar graphs of the selected functions that also have a selected batch form. Each graph is
 /// traced once, for the function and its batch form.
@@ -90,7 +90,7 @@ impl Planned {
                 let graph = packing::balanced(optimize(context.all_links.link_poses()));
                 Kernels::of(context.program(&graph, scalars))
             }
-            GraphSource::Step => context.step(scalars, StepForm::Robot),
+            GraphSource::Step => context.step(function, scalars, StepForm::Robot),
             GraphSource::Traced(_) | GraphSource::Evaluation => {
                 let rows = dense::of_constraints(function, context, scalars);
                 rows.unwrap_or_else(|| {
@@ -220,9 +220,18 @@ impl PlanContext<'_> {
 
     /// Returns the graph of a step whose accelerations are known: it has the derivatives of the
     /// step.
-    pub(super) fn refined_step(&self) -> Graph {
+    pub(super) fn refined_step(&self, function: Function) -> Graph {
         let soft = SoftModel::of(self.model);
-        optimize(self.tracer.refined_step(&self.elimination_of_steps(&soft), &soft))
+        let elimination = self.elimination_of_steps(&soft);
+        optimize(self.tracer.refined_step(&elimination, &soft, self.drive(function)))
+    }
+
+    /// Returns the forces that drive a function with a solver.
+    fn drive(&self, function: Function) -> Drive<'_> {
+        match function.row().of_actuators {
+            true => Drive::Actuators(self.model),
+            false => Drive::Forces,
+        }
     }
 
     /// Returns the solver for steps with these constraints.
@@ -238,10 +247,11 @@ impl PlanContext<'_> {
     }
 
     /// Returns the programs of a step with soft constraints.
-    pub(super) fn step(&self, scalars: usize, form: StepForm) -> Kernels {
+    pub(super) fn step(&self, function: Function, scalars: usize, form: StepForm) -> Kernels {
         let soft = SoftModel::of(self.model);
+        let drive = self.drive(function);
         let traced = |tracer: &Tracer<'_>, elimination: EliminationOf<'_>| {
-            let mut step = tracer.step(elimination, &soft);
+            let mut step = tracer.step(elimination, &soft, drive);
             if let StepForm::Entries { feedback } = form {
                 let mut coordinates = vec![0];
                 if feedback {

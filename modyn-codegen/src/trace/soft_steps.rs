@@ -5,13 +5,14 @@ use std::ops::Range;
 
 use modyn_runtime::Scalar;
 use modyn_runtime::equations::Workspace;
+use modyn_runtime::equations::actuation::{ActuationWorkspace, ActuatorInput};
 use modyn_runtime::equations::dynamics::Elimination;
 use modyn_runtime::equations::soft_constraints::{
-    Advance, Iterate, JointParameters, Progress, Search, SoftModel, SoftMotion, StepInput,
-    StepProblem, StopParameters, moved,
+    ActuatedForces, ActuatedInput, Advance, DampingMatrix, Iterate, JointParameters, Progress,
+    Search, SoftModel, SoftMotion, StepInput, StepProblem, StopParameters, next_state,
 };
 use modyn_runtime::mechanism::{BodyTree, Mechanism};
-use modyn_runtime::model::{Impedance, Softness};
+use modyn_runtime::model::{Impedance, Model, Softness};
 use modyn_runtime::{ContactSurface, StepSettings};
 
 use super::limbs::TouchingPacking;
@@ -89,22 +90,104 @@ pub type EliminationOf<'a> = &'a dyn Fn(&SoftModel<f64>) -> Elimination;
 /// The numbers of a search: both ends, the slope at which it ends, and its end.
 pub const SEARCH: usize = 6;
 
-impl Tracer<'_> {
-    /// Returns the parts of a step. Arguments: q, qd, tau, dt, the accelerations to start from, the
-    /// settings.
-    #[must_use]
-    pub fn step(&self, elimination: EliminationOf<'_>, soft: &SoftModel<f64>) -> StepGraph {
-        let nq = self.model.nq;
-        let nv = self.model.nv;
+/// The forces that drive a robot in a step.
+#[derive(Clone, Copy)]
+pub enum Drive<'a> {
+    /// Joint forces.
+    Forces,
+    /// The actuators of a model, and applied joint forces.
+    Actuators(&'a Model),
+}
+
+/// The arguments of a step.
+struct StepArguments {
+    q: Vec<Expr>,
+    qd: Vec<Expr>,
+    dt: Expr,
+    /// All joint forces.
+    tau: Vec<Expr>,
+    /// The velocity gains of actuators that act with the velocities after the step.
+    dampers: DampingMatrix<Expr>,
+    /// The activations after the step; none for a step under joint forces.
+    next_act: Vec<Expr>,
+    warm_start: Vec<Expr>,
+    settings: Vec<Expr>,
+}
+
+impl StepArguments {
+    fn input(&self) -> StepInput<'_, Expr> {
+        let Self { q, qd, dt, tau, warm_start, .. } = self;
+        StepInput { q, qd, tau, warm_start, dt: *dt }
+    }
+}
+
+impl Drive<'_> {
+    /// Returns the number of arguments: q, qd, then tau and dt, or the controls, dt, the activations
+    /// and the applied forces; the accelerations to start from, and the settings.
+    fn count(self, mechanism: &Mechanism<f64>, soft: &SoftModel<f64>) -> usize {
+        let Mechanism { nq, nv, .. } = mechanism;
         let surfaces = ContactSurface::<Expr>::COUNT * soft.contacts.len();
-        let settings = StepSettings::<Expr>::COUNT + surfaces;
-        let first_input = nq + 3 * nv + 1 + settings + self.parameters.len();
-        let mut parts = Parts { next_input: first_input, ..Parts::default() };
+        let of_actuators = match self {
+            Self::Forces => 0,
+            Self::Actuators(model) => {
+                let actuation = model.actuation();
+                actuation.actuators.len() + actuation.activated().count()
+            }
+        };
+        nq + 3 * nv + 1 + of_actuators + StepSettings::<Expr>::COUNT + surfaces
+    }
+
+    /// Returns the arguments of a step of a robot.
+    fn arguments(self, mechanism: &Mechanism<Expr>, numbers: &[Expr]) -> StepArguments {
+        let Mechanism { nq, nv, .. } = *mechanism;
+        let mut rest = numbers;
+        let mut take = |count: usize| {
+            let (taken, others) = rest.split_at(count);
+            rest = others;
+            taken.to_vec()
+        };
+        let [q, qd] = [nq, nv].map(&mut take);
+        match self {
+            Self::Forces => {
+                let [tau, dt, warm_start] = [nv, 1, nv].map(take);
+                let dampers = DampingMatrix::zero(nv);
+                let [next_act, settings] = [vec![], rest.to_vec()];
+                StepArguments { q, qd, dt: dt[0], tau, dampers, next_act, warm_start, settings }
+            }
+            Self::Actuators(model) => {
+                let actuation = model.actuation();
+                let activations = actuation.activated().count();
+                let controls = actuation.actuators.len();
+                let [ctrl, dt, act, applied, warm_start] =
+                    [controls, 1, activations, nv, nv].map(take);
+                let actuators = ActuatorInput { q: &q, qd: &qd, ctrl: &ctrl, act: &act, dt: dt[0] };
+                let input = ActuatedInput { actuators, applied: &applied, warm_start: &warm_start };
+                let ActuatedForces { tau, dampers, act: next_act } =
+                    input.forces(model, mechanism, &mut ActuationWorkspace::new(model));
+                let settings = rest.to_vec();
+                StepArguments { q, qd, dt: dt[0], tau, dampers, next_act, warm_start, settings }
+            }
+        }
+    }
+}
+
+impl Tracer<'_> {
+    /// Returns the parts of a step. Its `drive` decides its arguments.
+    #[must_use]
+    pub fn step(
+        &self,
+        elimination: EliminationOf<'_>,
+        soft: &SoftModel<f64>,
+        drive: Drive<'_>,
+    ) -> StepGraph {
+        let count = drive.count(self.model, soft);
+        let next_input = count + self.parameters.len();
+        let mut parts = Parts { next_input, ..Parts::default() };
         let mut results = None;
-        let groups = [nq, nv, nv, 1, nv, settings];
-        let graph = self.trace_groups(groups, |model, [q, qd, tau, dt, warm_start, settings]| {
-            let input = StepInput { q: &q, qd: &qd, tau: &tau, warm_start: &warm_start, dt: dt[0] };
-            let given = Given { input, settings: &settings };
+        let graph = self.trace_groups([count], |model, [numbers]| {
+            let arguments = drive.arguments(model, &numbers);
+            let StepArguments { dampers, settings, .. } = &arguments;
+            let given = Given { input: arguments.input(), dampers, settings };
             match self.limbs {
                 None => parts.on_scalars(model, elimination, soft, given),
                 Some(limbs) => {
@@ -112,7 +195,7 @@ impl Tracer<'_> {
                     robot.solvers(&elimination(soft), soft, given, &mut parts);
                 }
             }
-            results = Some(parts.results(model, input));
+            results = Some(parts.results(model, soft, &arguments));
             std::mem::take(&mut parts.outputs)
         });
         StepGraph { graph, solvers: parts.solvers, results: results.expect("the step is traced") }
@@ -124,23 +207,27 @@ impl Tracer<'_> {
     /// method: its derivatives are the derivatives of the step. Arguments: the arguments of a step,
     /// with the accelerations of its solution to start from.
     #[must_use]
-    pub fn refined_step(&self, elimination: &Elimination, soft: &SoftModel<f64>) -> Graph {
-        let nq = self.model.nq;
-        let nv = self.model.nv;
-        let surfaces = ContactSurface::<Expr>::COUNT * soft.contacts.len();
-        let groups = [nq, nv, nv, 1, nv, StepSettings::<Expr>::COUNT + surfaces];
-        self.trace_groups(groups, |model, [q, qd, tau, dt, warm_start, settings]| {
-            let input = StepInput { q: &q, qd: &qd, tau: &tau, warm_start: &warm_start, dt: dt[0] };
-            let settings = settings_of(&settings);
+    pub fn refined_step(
+        &self,
+        elimination: &Elimination,
+        soft: &SoftModel<f64>,
+        drive: Drive<'_>,
+    ) -> Graph {
+        let count = drive.count(self.model, soft);
+        self.trace_groups([count], |model, [numbers]| {
+            let arguments = drive.arguments(model, &numbers);
+            let input = arguments.input();
+            let settings = settings_of(&arguments.settings);
             let soft = soft.map(Expr::from_f64);
             let model = &soft.mechanism(model);
             let mut workspace = Workspace::new(model);
-            let problem = (&soft, &settings);
-            let motion =
-                StepProblem::new(model, elimination, input, problem, &mut workspace).refined();
+            let constraints = (&soft, &settings);
+            let problem = StepProblem::new(model, elimination, input, constraints, &mut workspace);
+            let motion = problem.damped_by(&arguments.dampers).refined();
             let ends = [Expr::zero(), Expr::zero()];
-            let [next_q, next_qd] = moved(model, input, &motion.damped);
-            [&next_q, &next_qd, &motion.qdd, motion.forces.as_flattened(), &ends].concat()
+            let [next_q, next_qd] = next_state(model, &soft, input, [&motion.qdd, &motion.damped]);
+            let state = [&next_q, &next_qd, &arguments.next_act, &motion.qdd].map(Vec::as_slice);
+            [&state[..], &[motion.forces.as_flattened(), &ends]].concat().concat()
         })
     }
 }
@@ -182,10 +269,13 @@ impl PackedRobot<'_> {
         let (common, surfaces) = given.settings.split_at(StepSettings::<Expr>::COUNT);
         let settings = settings_of(&[common, &packing.surfaces(surfaces)].concat());
         let merged_soft = self.soft_model(soft, &packing);
+        let dampers = self.dampers(given.dampers);
         let mut workspace = Workspace::new(&merged);
         for soft in merged_soft.solvers() {
+            let constraints = (&soft, &settings);
             let problem =
-                StepProblem::new(&merged, &elimination, input, (&soft, &settings), &mut workspace);
+                StepProblem::new(&merged, &elimination, input, constraints, &mut workspace)
+                    .damped_by(&dampers);
             let joints = problem.joints_of_rows().map(|joints| {
                 let [dof] = joints[..] else { unreachable!("no row couples merged limbs") };
                 let (lanes, _) = limbs.velocities().nth(dof).expect("a joint of the merged robot");
@@ -198,6 +288,18 @@ impl PackedRobot<'_> {
                 forces: packing.unpack(motion.forces.as_flattened(), 3).as_chunks().0.to_vec(),
             });
         }
+    }
+
+    /// Returns dampers in lanes. Dampers that couple joints have no merged limbs.
+    fn dampers(&self, dampers: &DampingMatrix<Expr>) -> DampingMatrix<Expr> {
+        let numbers: Vec<Expr> =
+            dampers.diagonal.iter().map(|entry| entry.unwrap_or_else(Expr::zero)).collect();
+        let entries = self.limbs.vector(&numbers).into_iter().zip(self.limbs.velocities());
+        let acts = |lanes: &[Option<usize>]| {
+            lanes.iter().flatten().any(|&dof| dampers.diagonal[dof].is_some())
+        };
+        let diagonal = entries.map(|(entry, (lanes, _))| acts(lanes).then_some(entry)).collect();
+        DampingMatrix { diagonal, coupled: Vec::new() }
     }
 
     /// Returns what the soft constraints have beside the settings, in lanes. A limb without a joint's limit has a
@@ -250,6 +352,7 @@ impl PackedRobot<'_> {
         });
         SoftModel {
             cone: soft.cone,
+            integrator: soft.integrator,
             weight: Expr::from_f64(soft.weight),
             contacts: packing.parameters(),
             // The merged robot has the damping of its limbs.
@@ -259,6 +362,9 @@ impl PackedRobot<'_> {
             loops: Vec::new(),
             tendons: Vec::new(),
             couplings: Vec::new(),
+            coupled_dampers: Vec::new(),
+            // They are moved after the solver, when the limbs are apart.
+            free_bodies: Vec::new(),
         }
     }
 }
@@ -267,6 +373,7 @@ impl PackedRobot<'_> {
 #[derive(Clone, Copy)]
 struct Given<'a> {
     input: StepInput<'a, Expr>,
+    dampers: &'a DampingMatrix<Expr>,
     settings: &'a [Expr],
 }
 
@@ -287,7 +394,7 @@ impl Parts {
         soft: &SoftModel<f64>,
         given: Given<'_>,
     ) {
-        let Given { input, settings } = given;
+        let Given { input, dampers, settings } = given;
         let settings = settings_of(settings);
         let model = &soft.map(Expr::from_f64).mechanism(model);
         let mut workspace = Workspace::new(model);
@@ -295,7 +402,8 @@ impl Parts {
             let elimination = elimination(&soft);
             let soft = soft.map(Expr::from_f64);
             let constraints = (&soft, &settings);
-            let problem = StepProblem::new(model, &elimination, input, constraints, &mut workspace);
+            let problem = StepProblem::new(model, &elimination, input, constraints, &mut workspace)
+                .damped_by(dampers);
             let rows = vec![vec![true]; problem.rows()];
             self.solver(problem, &rows, |motion| motion);
         }
@@ -365,14 +473,20 @@ impl Parts {
     }
 
     /// Traces the results of a step but the residual and the number of iterations.
-    fn results(&mut self, model: &Mechanism<Expr>, input: StepInput<'_, Expr>) -> Part {
+    fn results(
+        &mut self,
+        model: &Mechanism<Expr>,
+        soft: &SoftModel<f64>,
+        arguments: &StepArguments,
+    ) -> Part {
         let begin = self.next_input;
         let solution = &self.solvers.last().expect("a step has a solver").solution;
         let numbers: Vec<Expr> = solution.outputs.clone().map(|_| self.input()).collect();
         let (qdd, rest) = numbers.split_at(model.nv);
         let (damped, forces) = rest.split_at(model.nv);
-        let [next_q, next_qd] = moved(model, input, damped);
-        self.part(begin, [&next_q, &next_qd, qdd, forces].concat())
+        let model = &soft.map(Expr::from_f64).mechanism(model);
+        let [next_q, next_qd] = next_state(model, soft, arguments.input(), [qdd, damped]);
+        self.part(begin, [&next_q, &next_qd, &arguments.next_act, qdd, forces].concat())
     }
 
     /// Returns the part of the inputs since `begin` with these outputs.

@@ -12,7 +12,7 @@ use modyn_runtime::spatial::Pose;
 use modyn_runtime::{ContactSurface, StepSettings};
 
 use crate::conformance::c::{STRICT, write};
-use crate::conformance::{command, contact, folder, robot};
+use crate::conformance::{command, contact, folder, kinds, robot};
 
 /// Compiles the C text of `builder`, a text of CUDA and a program that includes both, and runs the program.
 fn build(name: &str, builder: &Builder, (kernels, main): (&str, &str)) {
@@ -328,6 +328,54 @@ fn solver_conforms(name: &str, builder: &Builder, quaternion: i32) {
     // The solver ends at a tolerance.
     let main = main.replace(done, both).replace("worst < 1e-11", "worst < 1e-9");
     build(&format!("rollout_solver_{name}"), builder, (&source.text, &main));
+}
+
+/// Each step starts from the accelerations and the activations of the last.
+#[test]
+#[ignore = "slow: g++ compiles a robot"]
+fn rollouts_under_controls() {
+    for name in ["actuators", "motors"] {
+        let case = kinds().into_iter().find(|case| case.name == name).expect("a kind");
+        let builder = case.builder.functions([Function::StepActuated]);
+        let model = builder.plan().expect("good").model;
+        let [controls, activations] = [model.control_names().len(), model.activation_names().len()];
+        let theirs = builder.clone().type_name("Theirs");
+        let options = RolloutOptions::default();
+        let (source, _) = theirs.emit_rollouts(GpuLanguage::Cuda, &options).expect("good");
+        let [rollout] = &*source.rollouts else { panic!("one kernel") };
+        assert_eq!((&*rollout.name, rollout.controls), ("theirs_rollout_actuated", controls));
+        let act = if activations > 0 { "act, " } else { "" };
+        let step = format!(
+            "static vector<double> settings = {{ 1e-12, 1 }};\nstatic unsigned current;\nstatic const double *given;\n\
+            static void ours_step_actuated(const double *q, const double *qd, const double *, const double *dt, double *next)\n{{\n\
+            const int n = OURS_NQ + OURS_NV, na = {activations};\n\
+            static double start[OURS_NV], act[na + 1], applied[OURS_NV];\ndouble r[n + na + OURS_NV + 2];\n\
+            for (int j = 0; j < OURS_NV && current == 0; ++j) start[j] = 0;\n\
+            for (int j = 0; j < na && current == 0; ++j) act[j] = 0;\n\
+            ours_step_actuated(q, qd, given, dt, {act}applied, start, settings.data(), r);\n\
+            for (int j = 0; j < n; ++j) next[j] = r[j];\n\
+            for (int j = 0; j < na; ++j) act[j] = r[n + j];\n\
+            for (int j = 0; j < OURS_NV; ++j) start[j] = r[n + na + j];\n}}\n"
+        );
+        let forces = "tau[0] = 0; given = u;\ncurrent = k;";
+        let arguments = ["settings.data(), ", ""];
+        let main = rollout_harness(("GRIPPER", "step_actuated", 4), -1, arguments, (forces, ""));
+        let main = main.replace("GRIPPER_CONTROLS", &controls.to_string());
+        let main = main.replace("int main() {\n", &format!("{step}int main() {{\n"));
+        let main = main.replace("worst < 1e-11", "worst < 1e-9");
+        build(&format!("rollout_{name}"), &builder, (&source.text, &main));
+    }
+}
+
+/// The user's function of a rollout returns joint forces, and a step under controls has none.
+#[test]
+fn steps_under_controls_have_no_forces_of_the_user() {
+    let case = kinds().into_iter().find(|case| case.name == "motors").expect("a kind");
+    let forces = Some(RolloutForces { text: String::new(), controls: 1 });
+    let options = RolloutOptions { forces, ..RolloutOptions::default() };
+    let builder = case.builder.functions([Function::StepActuated]);
+    let error = builder.emit_rollouts(GpuLanguage::Wgsl, &options).expect_err("no step");
+    assert!(error.to_string().contains("`forces`"), "{error}");
 }
 
 /// Closed loops alone: no function of the user.

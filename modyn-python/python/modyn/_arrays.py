@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ._modyn import CodeHandle, Robot, functions
-from ._results import StepSolution
+from ._results import ActuatedStep, StepSolution
 from ._types import HeightField, QuadraticCost, RolloutCosts, RolloutStates
 
 Shape = tuple[int, ...]
@@ -24,6 +24,8 @@ class Code:
     """the function that a derivative is of"""
     start: int | None = None
     """the argument from which a solver starts; `None` for functions without a solver, and for their derivatives"""
+    state: list[int] = []
+    """the arguments of a time step that are its first results, in their order"""
     constant: int | None = None
     """the argument that has no derivatives: the one from which a solver, or the first solver of a rollout, starts"""
 
@@ -42,8 +44,7 @@ class Code:
         """Returns the arguments at which derivatives are taken: a solver starts from the accelerations of its solution."""
         arguments = list(arguments)
         if self.start is not None:
-            # The results of a step start with `q`, `qd`, `qdd`.
-            arguments[self.start] = results[2]
+            arguments[self.start] = results[self.state.index(self.start)]
         return arguments
 
     def __eq__(self, other: object) -> bool:
@@ -86,6 +87,7 @@ class ArrayFunction(Code):
         self._solves = "warm_start" in names
         if self._solves and not derivatives:
             self.start = self.constant = names.index("warm_start")
+        self.state = [k for k, argument in enumerate(names) if argument in STATE]
         self._derived: dict[tuple[str, tuple[int, ...]], ArrayFunction] = {}
         self._rollouts: dict[tuple[int, bool, tuple[int, ...]], Rollout] = {}
 
@@ -138,10 +140,8 @@ class Rollout(Code):
     """A time step that is repeated: the results of all steps, or of the last one."""
 
     def __init__(self, step: ArrayFunction, steps: int, trajectory: bool, sequences: tuple[int, ...]) -> None:
-        # The state after a step are its first results: `q`, `qd`, and the accelerations of a solver, or a cost.
-        self.state = [0, 1] if step.start is None else [0, 1, step.start]
-        if step.extras.cost:
-            self.state.append(2)
+        # A cost is an argument after `q` and `qd`, and a result after them.
+        self.state = [*step.state, 2] if step.extras.cost else step.state
         self.roles = {"state": self.state, "start": step.start, "sequences": list(sequences)}
         super().__init__(f"rollout of {step.name}", step.handle.rollout(steps, trajectory, self.roles))
         self.step, self.steps, self.trajectory, self.sequences = step, steps, trajectory, sequences
@@ -179,6 +179,12 @@ class RolloutGradient(Code):
 
 FIRST = "a rollout in one call has first derivatives in reverse mode; for others, differentiate a loop over the function of its step"
 
+STATE = ("q", "qd", "act", "warm_start")
+"""the arguments of a time step that are results of the step before, in the order of these: `warm_start` is the result `qdd`"""
+
+OWN = ("act", "applied", "warm_start", "settings")
+"""the arguments of a time step with a solver beside the state, the forces or the controls, and the time"""
+
 FEEDBACK = ("gains", "q_ref", "qd_ref")
 """the arguments of a step with a feedback"""
 
@@ -198,13 +204,13 @@ class RolloutSignature:
             raise TypeError(f"`ground` must be a `modyn.HeightField`, not {type(ground).__name__}")
         self.robot, self.step, self.ground = robot, step if step == "step" else f"step_{step}", ground
         self.parameters = Signature.of(robot, self.step)
-        self.solves = "warm_start" in self.parameters.names
+        self.solves, self.is_actuated = ("warm_start" in self.parameters.names), ("ctrl" in self.parameters.names)
         nq, nv = robot.nq, robot.nv
         self.shapes: dict[str, Shape] = {"q": (nq,), "qd": (nv,), "cost": (), "controls": (nv,), "dt": ()}
+        if self.is_actuated:
+            self.shapes["controls"] = (len(robot.control_names),)
         """the shapes of the arguments for one state, in their order"""
-        if self.solves:
-            of_step = dict(zip(self.parameters.names, self.parameters.shapes))
-            self.shapes |= {name: of_step[name] for name in ("warm_start", "settings")}
+        self.shapes |= {name: shape for name, shape in zip(self.parameters.names, self.parameters.shapes) if name in OWN}
         self.shapes |= {"gains": (nv, 2 * nv), "q_ref": (nq,), "qd_ref": (nv,)}
         self.shapes |= {"q_goal": (nq,), "qd_goal": (nv,), "state_weights": (2 * nv,), "control_weights": (nv,)}
 
@@ -222,13 +228,16 @@ class RolloutSignature:
         return found
 
     def start(self, given: dict[str, Any], asarray: Callable[[Any], Any]) -> None:
-        """Adds the defaults of the arguments that only `step` has."""
-        for name in ("warm_start", "settings"):
-            if not self.solves:
-                if given.pop(name) is not None:
-                    raise TypeError(f'`{name}` is an argument of rollouts with `step="step"`')
-            elif given[name] is None:
-                given[name] = asarray(self.parameters.defaults[self.parameters.names.index(name)])
+        """Adds the defaults of the arguments that only steps with a solver have. Activations are zero before the first step."""
+        for name in OWN:
+            if name not in self.parameters.names:
+                if given.pop(name, None) is not None:
+                    steps = '`step="actuated"`' if name in ("act", "applied") else '`step="step"` and `step="actuated"`'
+                    raise TypeError(f"`{name}` is an argument of rollouts with {steps}")
+            elif given.get(name) is None:
+                at = self.parameters.names.index(name)
+                default = self.parameters.defaults[at]
+                given[name] = asarray(np.zeros(self.parameters.shapes[at], self.robot.dtype) if default is None else default)
 
     def add_cost(self, given: dict[str, Any], cost: QuadraticCost, asarray: Callable[[str, Any], Any], library: Any) -> None:
         """Adds the arguments of a cost to those of a rollout. `library` has `zeros`, `broadcast_to` and `concatenate`."""
@@ -258,15 +267,17 @@ class RolloutSignature:
         """Returns the arguments in the order of the step, without those that are `None`; and the arguments of `code`."""
         controls = given["controls"]
         if controls.ndim < 2:
-            shape, nv = tuple(controls.shape), self.robot.nv
-            raise ValueError(f"`controls` of `rollout` has the shape {shape}; expected (steps, {nv}), or (..., steps, {nv})")
+            shape, (count,) = tuple(controls.shape), self.shapes["controls"]
+            raise ValueError(f"`controls` of `rollout` has the shape {shape}; expected (steps, {count}), or (..., steps, {count})")
         missing = [name for name in FEEDBACK if given[name] is None]
         if len(missing) not in (0, 3):
             raise TypeError(f"`rollout` needs `gains`, `q_ref` and `qd_ref` together: `{missing[0]}` is missing")
         steps = int(controls.shape[-2])
         has_cost = "cost" in given
         if has_cost and self.solves:
-            raise TypeError('`rollout` with `step="step"` has no cost: compute it from the states, and leave `cost` out')
+            raise TypeError("`rollout` with contacts has no cost: compute it from the states, and leave `cost` out")
+        if not missing and self.is_actuated:
+            raise TypeError('`rollout` with `step="actuated"` has no feedback: leave `gains`, `q_ref` and `qd_ref` out')
         one = self.shapes
         left_out = (*missing, *(() if has_cost else ("cost", *COST)))
         names = [name for name in one if name not in left_out]
@@ -303,8 +314,8 @@ class RolloutSignature:
 
 
 def motions(results: Sequence[Any]) -> Any:
-    """Returns the results of a rollout, with a type for those with a cost and for those of `step`."""
-    return {2: RolloutStates, 3: RolloutCosts, 6: StepSolution}[len(results)](*results)
+    """Returns the results of a rollout, with a type for those with a cost and for those of each step with a solver."""
+    return {2: RolloutStates, 3: RolloutCosts, 6: StepSolution, 7: ActuatedStep}[len(results)](*results)
 
 
 @functools.cache

@@ -449,9 +449,11 @@ class Robot:
         cost: QuadraticCost | None = None,
         settings: StepSettings | ArrayLike | None = None,
         warm_start: ArrayLike | None = None,
+        act: ArrayLike | None = None,
+        applied: ArrayLike | None = None,
         ground: HeightField | None = None,
         trajectory: bool = True,
-    ) -> RolloutStates | RolloutCosts | StepSolution:
+    ) -> RolloutStates | RolloutCosts | StepSolution | ActuatedStep:
         """Returns the states of motions of many time steps in one call: after each step, (..., steps, n), or after the last
         one with `trajectory=False`. Many motions use the vector units and all cores.
 
@@ -462,10 +464,12 @@ class Robot:
         `HeightField` that sets the planes of the surfaces, by the place of each shape before each step. With a feedback, the
         forces are `controls` + `gains` (x_ref - x), where the difference of states has that of coordinates in tangent space, then that of
         velocities: `gains`: (nv, 2 nv) or (steps, nv, 2 nv); `q_ref`: (nq,) or (steps, nq); `qd_ref`: (nv,) or (steps, nv);
-        one step stands for all of them. With `cost`, a `QuadraticCost`, each step adds the cost of its forces and of
-        the state after it. Leading axes are those of motions, and are broadcast.
-        Result: `RolloutStates`: `q` and `qd`; with a cost `RolloutCosts`; of `step` `StepSolution`, with the largest
-        `residual` and `iterations` of all steps with `trajectory=False`.
+        one step stands for all of them. With `step="actuated"`, the function `step_actuated`, `controls` has a control for each
+        actuator, (steps, controls), and further arguments are `act`: the activations before the first step, by default zeros;
+        and `applied`: (nv,), joint forces of all steps, by default zeros; there is no feedback and no `ground`. With `cost`, a
+        `QuadraticCost`, each step adds the cost of its forces and of the state after it. Leading axes are those of motions, and are broadcast.
+        Result: `RolloutStates`: `q` and `qd`; with a cost `RolloutCosts`; of `step` `StepSolution` and of `actuated`
+        `ActuatedStep`, with the largest `residual` and `iterations` of all steps with `trajectory=False`.
         """
     def rollout_vjp(
         self,
@@ -484,6 +488,8 @@ class Robot:
         cost_weights: ArrayLike | None = None,
         settings: StepSettings | ArrayLike | None = None,
         warm_start: ArrayLike | None = None,
+        act: ArrayLike | None = None,
+        applied: ArrayLike | None = None,
         ground: HeightField | None = None,
         trajectory: bool = True,
     ) -> RolloutGradients:
@@ -893,7 +899,8 @@ class Robot:
         constraints whose forces minimize a convex function. The solver is Newton's method, to the
         tolerance of `settings`; `residual` says how far it came, relative to the largest force. It
         starts from the accelerations `warm_start`: `qdd` of the last step, or zeros. The integrator
-        is semi-implicit Euler, implicit in joint damping.
+        is semi-implicit Euler, implicit in joint damping, or MuJoCo's `implicitfast`, as the
+        description says.
 
         Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number; `warm_start`: (nv,), by
         default zeros; `settings`: `StepSettings`, by default the result of `step_settings()`.
@@ -912,6 +919,22 @@ class Robot:
         (activations,), which a robot without activations leaves out.
         Result: `ActuatorForces`: `tau` (nv,), `act` (activations,). Several states have one more
         axis, the first.
+        """
+    def step_actuated(
+        self, q: ArrayLike, qd: ArrayLike, ctrl: ArrayLike, dt: ArrayLike, act: ArrayLike | None = None, applied: ArrayLike | None = None, warm_start: ArrayLike | None = None, settings: StepSettings | ArrayLike | None = None, *, out: ActuatedStep | None = None
+    ) -> ActuatedStep:
+        """Returns the state and the activations after a step of the time `dt` (s) under the controls
+        `ctrl`: MuJoCo's `mj_step`. The joint forces are the result of `actuate` at the state before
+        the step, and the forces `applied` beside it (MuJoCo's `qfrc_applied`). All else is as in
+        `step`.
+
+        Arguments: `q`: (nq,); `qd`: (nv,); `ctrl`: (controls,); `dt`: a number; `act`:
+        (activations,), which a robot without activations leaves out; `applied`: (nv,), by default
+        zeros; `warm_start`: (nv,), by default zeros; `settings`: `StepSettings`, by default the
+        result of `step_settings()`.
+        Result: `ActuatedStep`: `q` (nq,), `qd` (nv,), `act` (activations,), `qdd` (nv,), `forces`
+        (touching points, 3), `residual` a number, `iterations` a number. Several states have one
+        more axis, the first.
         """
     def constrained_inverse_dynamics(
         self, q: ArrayLike, qd: ArrayLike, qdd: ArrayLike, contacts: ArrayLike | None = None, settings: ConstraintSettings | ArrayLike | None = None, *, out: ConstrainedInverseDynamics | None = None

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 # <!-- data: python-results -->
 __all__ = [
+    "ActuatedStep",
     "ActuatorForces",
     "CentroidalMomentumDerivatives",
     "ConstrainedForwardDynamics",
@@ -36,6 +37,25 @@ __all__ = [
     "StepHessian",
     "StepSolution",
 ]
+
+
+class ActuatedStep(NamedTuple):
+    """The result of `step_actuated`."""
+
+    q: NDArray[Any]
+    """(nq,)"""
+    qd: NDArray[Any]
+    """(nv,)"""
+    act: NDArray[Any]
+    """(activations,)"""
+    qdd: NDArray[Any]
+    """(nv,)"""
+    forces: NDArray[Any]
+    """(touching points, 3)"""
+    residual: NDArray[Any]
+    """a number"""
+    iterations: NDArray[Any]
+    """a number"""
 
 
 class ActuatorForces(NamedTuple):

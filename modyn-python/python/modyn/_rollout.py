@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from ._arrays import COST, FEEDBACK, ArrayFunction, Rollout, RolloutSignature, Signature, motions
+from ._arrays import COST, FEEDBACK, OWN, ArrayFunction, Rollout, RolloutSignature, Signature, motions
 from ._modyn import Robot
-from ._results import StepDerivatives, StepSolution
+from ._results import ActuatedStep, StepDerivatives, StepSolution
 from ._types import HeightField, QuadraticCost, RolloutCosts, RolloutGradients, RolloutStates, StepSettings
 
 Step = tuple[str, HeightField | None]
@@ -48,7 +48,7 @@ def _given(
 
 def rollout(
     robot: Robot, arguments: dict[str, Any], step: Step, trajectory: bool, cost: QuadraticCost | None
-) -> RolloutStates | RolloutCosts | StepSolution:
+) -> RolloutStates | RolloutCosts | StepSolution | ActuatedStep:
     """Returns the result of `Robot.rollout`."""
     arrays, code = _given(robot, "rollout", arguments, step, trajectory, cost)
     return motions(code.handle.call(arrays))
@@ -68,13 +68,13 @@ def rollout_vjp(
         raise TypeError("`cost_weights` of `rollout_vjp` are those of a `cost`")
     solves = code.step.start is not None
     own = ("cost",) if cost is not None else ()
-    names = ["q", "qd", *own, "controls", "dt", *(["warm_start", "settings"] if solves else [])]
+    names = ["q", "qd", *own, "controls", "dt", *(name for name in OWN if name in arguments)]
     names += [name for name in FEEDBACK if arguments[name] is not None]
     names += COST if cost is not None else ()
     wanted = [k for k, name in enumerate(names) if name not in own and k != code.step.start]
     gradient = code.gradient(wanted)
     weights = (*weights[:2], *[None] * (len(code.outputs) - 2)) if solves else weights
-    for name, shape, given in zip(("q_weights", "qd_weights", "cost_weights", *[""] * 3), code.outputs, weights):
+    for name, shape, given in zip(("q_weights", "qd_weights", "cost_weights", *[""] * len(weights)), code.outputs, weights):
         weight = np.ascontiguousarray(np.zeros(shape) if given is None else given, robot.dtype).reshape(np.shape(given) or shape)
         if weight.shape[weight.ndim - len(shape) :] != shape:
             raise ValueError(f"`{name}` of `rollout_vjp` has the shape {weight.shape}; expected {shape}, after axes of motions")

@@ -246,9 +246,12 @@ class RolloutGradients(NamedTuple):
     q_ref: NDArray[Any] | None = None
     qd_ref: NDArray[Any] | None = None
     settings: NDArray[Any] | None = None
-    """with respect to the numbers of `settings`; `None` unless the step is `step`"""
+    """with respect to the numbers of `settings`; `None` for steps without contacts"""
     cost: QuadraticCost | None = None
     """`None` without a cost"""
+    act: NDArray[Any] | None = None
+    """with respect to the first activations; `None` unless the step is `actuated`, as of `applied`"""
+    applied: NDArray[Any] | None = None
 
 
 @cache

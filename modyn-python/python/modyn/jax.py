@@ -35,7 +35,7 @@ from jax.interpreters import ad, batching, mlir
 from . import _modyn
 from ._arrays import ArrayFunction, Rollout, RolloutGradient, RolloutSignature, Signature, documented, motions
 from ._modyn import Robot
-from ._results import StepSolution
+from ._results import ActuatedStep, StepSolution
 from ._types import HeightField, QuadraticCost, RolloutCosts, RolloutStates, StepSettings
 
 __all__ = ["function", "parameters", "rollout", "to_tangent"]
@@ -67,12 +67,13 @@ def function(robot: Robot, name: str, link: str | int | None = None) -> Callable
 
 def rollout(
     robot: Robot, step: str = "semi_implicit", trajectory: bool = True, ground: HeightField | None = None
-) -> Callable[..., RolloutStates | RolloutCosts | StepSolution]:
+) -> Callable[..., RolloutStates | RolloutCosts | StepSolution | ActuatedStep]:
     """Returns the function `Robot.rollout` of a robot as a function of JAX's arrays.
 
     It is one call from the first step to the last, and so is its gradient, which stores few states. Other derivatives go through
     `lax.scan`. Its arguments are `q`, `qd`, `controls`, `dt`, and by keyword `gains`, `q_ref`, `qd_ref`, `cost` and `parameters`.
-    With `step="step"`, `settings` and `warm_start` are arguments, `ground` is a `HeightField`, and there are only first derivatives.
+    With `step="step"`, `settings` and `warm_start` are arguments, `ground` is a `HeightField`, and there are only first derivatives. With
+    `step="actuated"` the controls are those of the actuators, `act` and `applied` are further arguments, and there is no feedback.
     """
     signature = RolloutSignature(robot, step, ground)
     dtype = np.dtype(robot.dtype)
@@ -89,13 +90,15 @@ def rollout(
         cost: QuadraticCost | None = None,
         settings: Any = None,
         warm_start: Any = None,
+        act: Any = None,
+        applied: Any = None,
         parameters: Any = None,
     ) -> Any:
         """Returns the states after each step, (..., steps, n), or after the last one."""
         arguments = {"q": q, "qd": qd, "controls": controls, "dt": dt, "gains": gains, "q_ref": q_ref, "qd_ref": qd_ref}
         if isinstance(settings, StepSettings):
             settings = np.asarray(settings, robot.dtype)
-        arguments |= {"settings": settings, "warm_start": warm_start}
+        arguments |= {"settings": settings, "warm_start": warm_start, "act": act, "applied": applied}
         given = {name: None if x is None else _array(x, dtype, name, "rollout") for name, x in arguments.items()}
         signature.start(given, jnp.asarray)
         if cost is not None:

@@ -25,7 +25,7 @@ import numpy as np
 
 from ._arrays import ArrayFunction, Rollout, RolloutSignature, Signature, documented, motions
 from ._modyn import Robot
-from ._results import StepSolution
+from ._results import ActuatedStep, StepSolution
 from ._types import HeightField, QuadraticCost, RolloutCosts, RolloutStates, StepSettings
 
 __all__ = ["function", "parameters", "rollout", "to_tangent"]
@@ -59,12 +59,13 @@ def function(robot: Robot, name: str, link: str | int | None = None) -> Callable
 
 def rollout(
     robot: Robot, step: str = "semi_implicit", trajectory: bool = True, ground: HeightField | None = None
-) -> Callable[..., RolloutStates | RolloutCosts | StepSolution]:
+) -> Callable[..., RolloutStates | RolloutCosts | StepSolution | ActuatedStep]:
     """Returns the function `Robot.rollout` of a robot as a function of PyTorch's tensors.
 
     It is one call from the first step to the last, and so is its gradient, which stores few states. Its arguments are `q`, `qd`,
     `controls`, `dt`, and by keyword `gains`, `q_ref`, `qd_ref`, `cost` and `parameters`. It has first derivatives in reverse mode.
-    With `step="step"`, `settings` and `warm_start` are arguments, and `ground` is a `HeightField`.
+    With `step="step"`, `settings` and `warm_start` are arguments, and `ground` is a `HeightField`. With `step="actuated"` the controls
+    are those of the actuators, `act` and `applied` are further arguments, and there is no feedback.
     """
     signature = RolloutSignature(robot, step, ground)
     dtype = _dtype(robot)
@@ -85,13 +86,15 @@ def rollout(
         cost: QuadraticCost | None = None,
         settings: Any = None,
         warm_start: Any = None,
+        act: Any = None,
+        applied: Any = None,
         parameters: Any = None,
     ) -> Any:
         """Returns the states after each step, (..., steps, n), or after the last one."""
         arguments = {"q": q, "qd": qd, "controls": controls, "dt": dt, "gains": gains, "q_ref": q_ref, "qd_ref": qd_ref}
         if isinstance(settings, StepSettings):
             settings = np.asarray(settings, robot.dtype)
-        arguments |= {"settings": settings, "warm_start": warm_start}
+        arguments |= {"settings": settings, "warm_start": warm_start, "act": act, "applied": applied}
         given = {name: None if x is None else _tensor(x, dtype, name, "rollout") for name, x in arguments.items()}
         signature.start(given, lambda x: _tensor(x, dtype, "settings", "rollout"))
         if cost is not None:

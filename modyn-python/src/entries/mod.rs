@@ -144,14 +144,19 @@ impl Robot {
     /// before each step. With a feedback, the forces are `controls` + `gains` (x_ref - x), where
     /// the difference of states has that of coordinates in tangent space, then that of velocities:
     /// `gains`: (nv, 2 nv) or (steps, nv, 2 nv); `q_ref`: (nq,) or (steps, nq); `qd_ref`: (nv,) or
-    /// (steps, nv); one step stands for all of them. With `cost`, a `QuadraticCost`, each step adds
+    /// (steps, nv); one step stands for all of them. With `step="actuated"`, the function
+    /// `step_actuated`, `controls` has a control for each actuator, (steps, controls), and further
+    /// arguments are `act`: the activations before the first step, by default zeros; and `applied`:
+    /// (nv,), joint forces of all steps, by default zeros; there is no feedback and no `ground`. With
+    /// `cost`, a `QuadraticCost`, each step adds
     /// the cost of its forces and of the state after it. Leading axes are those of motions, and are
     /// broadcast. Result: `RolloutStates`: `q` and `qd`; with a cost `RolloutCosts`; of `step`
-    /// `StepSolution`, with the largest `residual` and `iterations` of all steps with
+    /// `StepSolution` and of `actuated` `ActuatedStep`, with the largest `residual` and `iterations` of all steps with
     /// `trajectory=False`.
     #[pyo3(signature = (
         q, qd, controls, dt, *, step="semi_implicit", gains=None, q_ref=None, qd_ref=None,
-        cost=None, settings=None, warm_start=None, ground=None, trajectory=true,
+        cost=None, settings=None, warm_start=None, act=None, applied=None, ground=None,
+        trajectory=true,
     ))]
     #[allow(clippy::too_many_arguments)]
     fn rollout<'py>(
@@ -167,10 +172,12 @@ impl Robot {
         cost: Option<&Bound<'py, PyAny>>,
         settings: Option<&Bound<'py, PyAny>>,
         warm_start: Option<&Bound<'py, PyAny>>,
+        act: Option<&Bound<'py, PyAny>>,
+        applied: Option<&Bound<'py, PyAny>>,
         ground: Option<&Bound<'py, PyAny>>,
         trajectory: bool,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let others = [settings, warm_start, gains, q_ref, qd_ref];
+        let others = [act, applied, settings, warm_start, gains, q_ref, qd_ref];
         let arguments = rollout_arguments([q, qd, controls, dt], others)?;
         let rollout = slf.py().import("modyn._rollout")?.getattr("rollout")?;
         rollout.call1((slf, arguments, (step, ground), trajectory, cost))
@@ -187,7 +194,7 @@ impl Robot {
     #[pyo3(signature = (
         q, qd, controls, dt, q_weights, qd_weights, *, step="semi_implicit", gains=None,
         q_ref=None, qd_ref=None, cost=None, cost_weights=None, settings=None, warm_start=None,
-        ground=None, trajectory=true,
+        act=None, applied=None, ground=None, trajectory=true,
     ))]
     #[allow(clippy::too_many_arguments)]
     fn rollout_vjp<'py>(
@@ -206,10 +213,12 @@ impl Robot {
         cost_weights: Option<&Bound<'py, PyAny>>,
         settings: Option<&Bound<'py, PyAny>>,
         warm_start: Option<&Bound<'py, PyAny>>,
+        act: Option<&Bound<'py, PyAny>>,
+        applied: Option<&Bound<'py, PyAny>>,
         ground: Option<&Bound<'py, PyAny>>,
         trajectory: bool,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let others = [settings, warm_start, gains, q_ref, qd_ref];
+        let others = [act, applied, settings, warm_start, gains, q_ref, qd_ref];
         let arguments = rollout_arguments([q, qd, controls, dt], others)?;
         let vjp = slf.py().import("modyn._rollout")?.getattr("rollout_vjp")?;
         let weights = (q_weights, qd_weights, cost_weights);
@@ -269,14 +278,25 @@ impl Robot {
 }
 
 /// The names of the arguments of a rollout.
-const ROLLOUT_ARGUMENTS: [&str; 9] =
-    ["q", "qd", "controls", "dt", "settings", "warm_start", "gains", "q_ref", "qd_ref"];
+const ROLLOUT_ARGUMENTS: [&str; 11] = [
+    "q",
+    "qd",
+    "controls",
+    "dt",
+    "act",
+    "applied",
+    "settings",
+    "warm_start",
+    "gains",
+    "q_ref",
+    "qd_ref",
+];
 
 /// Returns the arguments of a rollout by their names: the state, the controls and the time, then the
-/// settings, the warm start and the feedback.
+/// activations, the applied forces, the settings, the warm start and the feedback.
 fn rollout_arguments<'py>(
     required: [&Bound<'py, PyAny>; 4],
-    others: [Option<&Bound<'py, PyAny>>; 5],
+    others: [Option<&Bound<'py, PyAny>>; 7],
 ) -> PyResult<Bound<'py, PyDict>> {
     let given: Vec<_> = required.into_iter().map(Some).chain(others).collect();
     named(required[0].py(), &ROLLOUT_ARGUMENTS, &given)

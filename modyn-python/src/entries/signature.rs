@@ -9,7 +9,7 @@ use pyo3::types::{PyList, PyTuple};
 
 use crate::checks::Check;
 use crate::codes::ArrayShapes;
-use crate::function::{default_settings, default_step_settings};
+use crate::function::{default_settings, default_step_settings, has_zeros};
 use crate::layout::{self, Class, Layout, Leaf};
 use crate::number::Number;
 use crate::robot::Robot;
@@ -39,11 +39,12 @@ pub fn of<'py>(robot: &Robot, py: Python<'py>, function: Function) -> PyResult<B
             }
             (ArgumentKind::Settings, FloatType::F64) => array(py, default_settings::<f64>(length)),
             (ArgumentKind::Settings, FloatType::F32) => array(py, default_settings::<f32>(length)),
-            (_, FloatType::F64) if argument.name == "warm_start" => {
-                array(py, vec![0.0_f64; length])
-            }
-            (_, FloatType::F32) if argument.name == "warm_start" => {
-                array(py, vec![0.0_f32; length])
+            (ArgumentKind::Activations, _) if length > 0 => py.None().into_bound(py),
+            (kind, scalar) if kind == ArgumentKind::Activations || has_zeros(argument.name) => {
+                match scalar {
+                    FloatType::F64 => array(py, vec![0.0_f64; length]),
+                    FloatType::F32 => array(py, vec![0.0_f32; length]),
+                }
             }
             _ => py.None().into_bound(py),
         };
@@ -122,7 +123,9 @@ pub fn shapes(robot: &Robot, function: &EntryFunction) -> Result<ArrayShapes, St
         let name = function.function.name();
         let names: Vec<&str> = row.arguments.iter().map(|argument| argument.name).collect();
         if !names.starts_with(&["q", "qd", "tau", "dt"]) {
-            return Err(format!("`{name}` is no time step, so it has no feedback and no cost"));
+            return Err(format!(
+                "`{name}` is no time step under joint forces, so it has no feedback and no cost"
+            ));
         }
         if function.cost && row.has_solver {
             return Err(format!("`{name}` has no cost: compute it from the states"));

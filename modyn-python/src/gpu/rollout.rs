@@ -64,17 +64,17 @@ impl GpuRollout {
         Ok(Self { gpu: gpu.clone(), robot, rollout, parameters })
     }
 
-    /// Returns the controls: (n, steps, controls), or an array on the processor.
+    /// Returns the controls: (n, steps, `count`), or an array on the processor.
     fn controls(
         &self,
         py: Python<'_>,
         controls: &Bound<'_, PyAny>,
+        count: usize,
     ) -> PyResult<modyn_gpu::GpuArray> {
         if let Ok(array) = controls.cast::<GpuArray>() {
             return Ok(array.get().array.clone());
         }
         let (array, shape) = any(py, &self.gpu, controls)?;
-        let count = self.rollout.source().controls;
         match *shape {
             [_, given_count] if given_count == count => Ok(array),
             _ => {
@@ -119,10 +119,12 @@ impl GpuRollout {
         });
         let q = q?;
         let qd = qd?;
-        let controls = self.controls(py, controls)?;
+        let rollout = source.rollouts.iter().find(|rollout| rollout.step == step.name());
+        // A step without a kernel is refused below.
+        let count = rollout.map_or(source.nv, |rollout| rollout.controls);
+        let controls = self.controls(py, controls, count)?;
         let uploaded = |settings| {
-            let check = if step == Function::Step { Check::StepSettings } else { Check::Settings };
-            let rollout = source.rollouts.iter().find(|rollout| rollout.step == step.name());
+            let check = if step.row().has_solver { Check::StepSettings } else { Check::Settings };
             let shape = &[rollout.map_or(0, |rollout| rollout.settings)];
             let read = Argument::read("run", "settings", Some(check), shape, settings)?;
             read.uploaded(py, &self.gpu, 1)
@@ -149,7 +151,7 @@ impl GpuRollout {
         let size = source.nq + source.nv;
         let state = GpuArray::new(results.state, layout(&[size]));
         let cost = results.cost.map(|cost| GpuArray::new(cost, layout(&[])));
-        let steps = controls.scalars() / source.controls;
+        let steps = controls.scalars() / count;
         let trajectory = results.trajectory.map(|all| GpuArray::new(all, layout(&[steps, size])));
         let class = py.import("modyn._types")?.getattr("RolloutResults")?;
         class.call1((state, cost, trajectory))

@@ -39,6 +39,8 @@ pub struct ActuatorOutputs<'a, S> {
 /// The memory of [`actuate`].
 #[derive(Clone, Debug)]
 pub struct ActuationWorkspace<S> {
+    /// The control or the activation that is the input of each actuator.
+    inputs: Vec<S>,
     /// The force of each actuator.
     forces: Vec<S>,
     /// The force of the actuators on the joint of each moving link.
@@ -49,8 +51,10 @@ impl<S: Scalar> ActuationWorkspace<S> {
     /// Returns the memory for a model.
     #[must_use]
     pub fn new(model: &Model) -> Self {
+        let actuators = model.actuation().actuators.len();
         Self {
-            forces: vec![S::zero(); model.actuation().actuators.len()],
+            inputs: vec![S::zero(); actuators],
+            forces: vec![S::zero(); actuators],
             joint_forces: vec![S::zero(); model.links().len()],
         }
     }
@@ -71,12 +75,13 @@ pub fn actuate<S: Scalar>(
     outputs: ActuatorOutputs<'_, S>,
 ) {
     let ActuatorOutputs { tau, act: next } = outputs;
-    let ActuationWorkspace { forces, joint_forces } = workspace;
+    let ActuationWorkspace { inputs, forces, joint_forces } = workspace;
     let Actuation { actuators, tendons, joint_force_ranges } = model.actuation();
     let mut activations = input.act.iter().zip(next);
-    for ((actuator, &ctrl), force) in actuators.iter().zip(input.ctrl).zip(&mut *forces) {
+    let memory = inputs.iter_mut().zip(&mut *forces);
+    for ((actuator, &ctrl), (signal, force)) in actuators.iter().zip(input.ctrl).zip(memory) {
         let control = clamped(ctrl, actuator.control_range);
-        let signal = match &actuator.activation {
+        *signal = match &actuator.activation {
             None => control,
             Some(activation) => {
                 let Some((&act, next)) = activations.next() else { break };
@@ -86,7 +91,7 @@ pub fn actuate<S: Scalar>(
             }
         };
         *force = match actuator.enabled {
-            true => unlimited_force(actuator, signal, actuator_length(model, actuator, input)),
+            true => unlimited_force(actuator, *signal, actuator_length(model, actuator, input)),
             false => S::zero(),
         };
     }
@@ -97,10 +102,10 @@ pub fn actuate<S: Scalar>(
     }
     joint_forces.fill(S::zero());
     for (actuator, force) in actuators.iter().zip(forces) {
-        let force = clamped(*force, actuator.force_range);
+        *force = clamped(*force, actuator.force_range);
         for TendonJoint { link, coefficient } in joints(model, actuator) {
             let moment = S::from_f64(actuator.gear * coefficient);
-            joint_forces[link] = moment.mul_add(force, joint_forces[link]);
+            joint_forces[link] = moment.mul_add(*force, joint_forces[link]);
         }
     }
     for &JointForceRange { link, range } in joint_force_ranges {
@@ -118,6 +123,81 @@ pub fn actuate<S: Scalar>(
             };
         }
     }
+}
+
+/// Returns the derivative of each actuator's force with respect to the rate of its length, as
+/// `MuJoCo`'s `implicitfast` has it, after [`actuate`]: zero where a force is at an end of its range,
+/// where the sum of the forces on the actuator's tendon is, and where the force on its joint is.
+/// `None` for an actuator whose force does not depend on the rate.
+pub(crate) fn velocity_gains<S: Scalar>(
+    model: &Model,
+    workspace: &ActuationWorkspace<S>,
+) -> Vec<Option<S>> {
+    let ActuationWorkspace { inputs, forces, joint_forces } = workspace;
+    let Actuation { actuators, tendons, joint_force_ranges } = model.actuation();
+    let gain = |(actuator, (&input, &force)): (&Actuator, (&S, &S))| {
+        let [gain, bias] = [actuator.gain, actuator.bias].map(|law| law.velocity);
+        let mut derivative = S::from_f64(bias);
+        if gain != 0.0 {
+            derivative = S::from_f64(gain).mul_add(input, derivative);
+        }
+        derivative = within(derivative, force, actuator.force_range);
+        match actuator.transmission {
+            Transmission::Joint(link) => {
+                let mut ranges = joint_force_ranges.iter().filter(|range| range.link == link);
+                let range = ranges.next().map(|range| range.range);
+                within(derivative, joint_forces[link], range)
+            }
+            Transmission::Tendon(tendon) => {
+                let range = tendons[tendon].force_range.map(|range| {
+                    // A sum that was scaled to an end of its range has a rounding error.
+                    let [low, high] = range.map(|end| 1e-10 * end.abs());
+                    [range[0] + low, range[1] - high]
+                });
+                let sum = sum_on(actuators, actuator.transmission, forces);
+                within(derivative, sum, range)
+            }
+        }
+    };
+    let memory = inputs.iter().zip(forces);
+    let actuators_with_memory = actuators.iter().zip(memory);
+    actuators_with_memory.map(|one| depends_on_rate(one.0).then(|| gain(one))).collect()
+}
+
+/// Returns the derivative of a force that is within its range, and zero at the ends.
+fn within<S: Scalar>(derivative: S, force: S, range: Option<[f64; 2]>) -> S {
+    let Some([low, high]) = range else { return derivative };
+    let zero = S::zero();
+    let mut within = derivative;
+    if low.is_finite() {
+        within = (S::from_f64(low) - force).select_nonnegative(zero, within);
+    }
+    if high.is_finite() {
+        within = (force - S::from_f64(high)).select_nonnegative(zero, within);
+    }
+    within
+}
+
+/// Returns whether the force of an actuator depends on the rate of its length.
+pub(crate) fn depends_on_rate(actuator: &Actuator) -> bool {
+    let laws = [actuator.gain, actuator.bias];
+    actuator.enabled && actuator.gear != 0.0 && laws.iter().any(|law| law.velocity != 0.0)
+}
+
+/// Returns the derivative of an actuator's length with respect to the coordinates: entries of qd, each
+/// once, with their factors.
+pub(crate) fn moments(model: &Model, actuator: &Actuator) -> Vec<(usize, f64)> {
+    let mut moments: Vec<(usize, f64)> = Vec::new();
+    for TendonJoint { link, coefficient } in joints(model, actuator) {
+        let multiplier = model.mimic(link).map_or(1.0, |mimic| mimic.multiplier);
+        let moment = actuator.gear * coefficient * multiplier;
+        let dof = model.v_range(link).start;
+        match moments.iter_mut().find(|(other, _)| *other == dof) {
+            Some((_, sum)) => *sum += moment,
+            None => moments.push((dof, moment)),
+        }
+    }
+    moments
 }
 
 /// Returns the joints that an actuator moves, each with the length of the transmission per unit of
@@ -183,15 +263,20 @@ fn limit_tendon<S: Scalar>(
     [low, high]: [f64; 2],
     forces: &mut [S],
 ) {
-    let is_on = |actuator: &&Actuator| actuator.transmission == tendon;
-    let on_tendon = actuators.iter().zip(&*forces).filter(|(actuator, _)| is_on(actuator));
-    let sum = on_tendon.fold(S::zero(), |sum, (_, &force)| sum + force);
+    let sum = sum_on(actuators, tendon, forces);
     let factor = share(-sum, -low) * share(sum, high);
     for (actuator, force) in actuators.iter().zip(forces) {
-        if is_on(&actuator) {
+        if actuator.transmission == tendon {
             *force = factor * *force;
         }
     }
+}
+
+/// Returns the sum of the forces of the actuators on a tendon.
+fn sum_on<S: Scalar>(actuators: &[Actuator], tendon: Transmission, forces: &[S]) -> S {
+    let forces = actuators.iter().zip(forces);
+    let on_tendon = forces.filter(|(actuator, _)| actuator.transmission == tendon);
+    on_tendon.fold(S::zero(), |sum, (_, &force)| sum + force)
 }
 
 /// Returns the factor that scales a sum above the bound, which is not negative, to the bound.

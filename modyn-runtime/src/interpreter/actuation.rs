@@ -18,17 +18,21 @@ impl<S: Scalar> Interpreter<S> {
         input: ActuatorInput<'_, S>,
         outputs: ActuatorOutputs<'_, S>,
     ) -> Result<(), ShapeError> {
+        self.check_actuators(input)?;
+        check("outputs.tau", outputs.tau, input.qd.len())?;
+        check("outputs.act", outputs.act, input.act.len())?;
         let Self { model, actuation, .. } = self;
-        let actuators = &model.actuation().actuators;
-        let activations = model.actuation().activated().count();
-        check("q", input.q, model.nq())?;
-        check("qd", input.qd, model.nv())?;
-        check("ctrl", input.ctrl, actuators.len())?;
-        check("act", input.act, activations)?;
-        check("outputs.tau", outputs.tau, model.nv())?;
-        check("outputs.act", outputs.act, activations)?;
         let workspace = actuation.get_or_insert_with(|| ActuationWorkspace::new(model));
         actuate(model, input, workspace, outputs);
         Ok(())
+    }
+
+    /// Checks the lengths of the state and of the controls.
+    pub(super) fn check_actuators(&self, input: ActuatorInput<'_, S>) -> Result<(), ShapeError> {
+        let model = &self.model;
+        check("q", input.q, model.nq())?;
+        check("qd", input.qd, model.nv())?;
+        check("ctrl", input.ctrl, model.actuation().actuators.len())?;
+        check("act", input.act, model.actuation().activated().count())
     }
 }

@@ -4,16 +4,19 @@ use alloc::{vec, vec::Vec};
 
 use super::errors::{ShapeError, check};
 use super::{Interpreter, UduFactorization};
+use crate::equations::actuation::{ActuationWorkspace, depends_on_rate, moments};
 use crate::equations::dynamics::Elimination;
 use crate::equations::soft_constraints::{
-    ContactParameters, CouplingParameters, JointParameters, Length, LengthTerm, LoopParameters,
-    SoftModel, SoftStep, SpringParameters, StepInput, StepProblem, StopParameters,
-    TendonParameters, TouchingPoint, moved, soft_step, touching_points,
+    ActuatedForces, ActuatedInput, ContactParameters, CouplingParameters, DampingMatrix,
+    JointParameters, Length, LengthTerm, LoopParameters, SoftModel, SoftStep, SpringParameters,
+    StepInput, StepProblem, StopParameters, TendonParameters, TouchingPoint, couples, next_state,
+    soft_step, touching_points,
 };
+use crate::joint::JointType;
 use crate::mechanism::Mechanism;
 use crate::model::{
-    Friction, JointSum, LoopConstraint, LoopSoftness, Model, ModuleTree, SoftCoupling, SoftTendon,
-    Softness, TendonSpring, TouchingShape,
+    Friction, Integrator, JointSum, LoopConstraint, LoopSoftness, Model, ModuleTree,
+    SoftConstraints, SoftCoupling, SoftTendon, Softness, TendonSpring, TouchingShape,
 };
 use crate::spatial::{Twist, Vector3};
 use crate::{ContactSurface, Portable, Scalar, StepSettings};
@@ -57,6 +60,44 @@ impl<S: Scalar> Interpreter<S> {
         settings: &StepSettings<S, impl AsRef<[ContactSurface<S>]>>,
         outputs: StepSolutionOutputs<'_, S>,
     ) -> Result<(), ShapeError> {
+        let dampers = DampingMatrix::zero(input.qd.len());
+        self.damped_step(input, &dampers, settings, outputs)
+    }
+
+    /// Computes the state after a step under the controls of the actuators, and their activations
+    /// after it, `next_act`: see [`step_actuated`](crate::Robot::step_actuated). Allocates memory at
+    /// each call.
+    ///
+    /// # Errors
+    ///
+    /// If a slice does not have the model's length.
+    pub fn step_actuated(
+        &mut self,
+        input: ActuatedInput<'_, S>,
+        settings: &StepSettings<S, impl AsRef<[ContactSurface<S>]>>,
+        outputs: StepSolutionOutputs<'_, S>,
+        next_act: &mut [S],
+    ) -> Result<(), ShapeError> {
+        let ActuatedInput { actuators, applied, .. } = input;
+        check("applied", applied, self.model.nv())?;
+        self.check_actuators(actuators)?;
+        check("next_act", next_act, actuators.act.len())?;
+        let Self { model, actuation, mechanism, .. } = self;
+        let workspace = actuation.get_or_insert_with(|| ActuationWorkspace::new(model));
+        let ActuatedForces { tau, dampers, act } = input.forces(model, mechanism, workspace);
+        self.damped_step(input.under(&tau), &dampers, settings, outputs)?;
+        next_act.copy_from_slice(&act);
+        Ok(())
+    }
+
+    /// Computes the state after a step with further dampers, which act with the velocities after it.
+    fn damped_step(
+        &mut self,
+        input: StepInput<'_, S>,
+        dampers: &DampingMatrix<S>,
+        settings: &StepSettings<S, impl AsRef<[ContactSurface<S>]>>,
+        outputs: StepSolutionOutputs<'_, S>,
+    ) -> Result<(), ShapeError> {
         let Self { model, soft, mechanism, elimination, workspace, .. } = self;
         let soft = soft.get_or_insert_with(|| SoftModel::of(model).map(S::from_f64));
         let points: usize = soft.contacts.iter().map(|contact| contact.shape.points()).sum();
@@ -76,8 +117,8 @@ impl<S: Scalar> Interpreter<S> {
         let elimination = whole.as_ref().unwrap_or(elimination);
         let problem =
             StepProblem::new(mechanism, elimination, input, (&*soft, settings), workspace);
-        let SoftStep { motion, residual, iterations } = soft_step(problem);
-        let [q, qd] = moved(mechanism, input, &motion.damped);
+        let SoftStep { motion, residual, iterations } = soft_step(problem.damped_by(dampers));
+        let [q, qd] = next_state(mechanism, soft, input, [&motion.qdd, &motion.damped]);
         outputs.q.copy_from_slice(&q);
         outputs.qd.copy_from_slice(&qd);
         outputs.qdd.copy_from_slice(&motion.qdd);
@@ -225,18 +266,22 @@ impl SoftModel<f64> {
             joints[dof] = Some(JointParameters { coordinate: coordinates.start, stops });
         }
         let soft = model.soft_constraints();
-        let tendons = soft.tendons.iter().map(|tendon| mobilities.tendon(model, tendon)).collect();
+        let tendons = soft.tendons.iter();
+        let tendons: Vec<_> = tendons.map(|tendon| mobilities.tendon(model, tendon)).collect();
         let couplings = soft.couplings.iter();
         let couplings =
             couplings.filter_map(|coupling| mobilities.coupling(model, coupling)).collect();
         let mass: f64 = model.links().iter().map(|link| link.inertial.mass).sum();
-        let cone = model.soft_constraints().cone;
+        let SoftConstraints { cone, integrator, .. } = *model.soft_constraints();
         SoftModel {
             cone,
+            integrator,
             weight: (mass * EARTH).max(LEAST_WEIGHT),
             contacts,
             damping: damping_in_steps(model, &mechanism),
             joints,
+            coupled_dampers: coupled_dampers(model, &mechanism, &tendons),
+            free_bodies: free_bodies(model, &mechanism),
             tendons,
             couplings,
             loops,
@@ -304,6 +349,36 @@ fn length(model: &Model, sum: &JointSum) -> Length<f64> {
     }
     length.terms.retain(|term| term.factor != 0.0);
     length
+}
+
+/// Returns the entries of qd that each damper of `implicitfast` couples.
+fn coupled_dampers(
+    model: &Model,
+    mechanism: &Mechanism<f64>,
+    tendons: &[TendonParameters<f64>],
+) -> Vec<Vec<usize>> {
+    if model.soft_constraints().integrator == Integrator::Euler {
+        return Vec::new();
+    }
+    let damped = tendons.iter().filter(|tendon| tendon.damping.is_some());
+    let of_tendons = damped.map(|tendon| tendon.length.terms.iter().map(|term| term.dof).collect());
+    let actuators = model.actuation().actuators.iter().filter(|one| depends_on_rate(one));
+    let of_actuators = actuators
+        .map(|actuator| moments(model, actuator).into_iter().map(|(dof, _)| dof).collect());
+    of_tendons.chain(of_actuators).filter(|dofs: &Vec<usize>| couples(mechanism, dofs)).collect()
+}
+
+/// Returns the bodies whose rotation is implicit: by `implicitfast`, bodies that are free and carry
+/// no joint.
+fn free_bodies(model: &Model, mechanism: &Mechanism<f64>) -> Vec<usize> {
+    if model.soft_constraints().integrator == Integrator::Euler {
+        return Vec::new();
+    }
+    let links = model.links().iter().enumerate().filter(|(i, link)| {
+        let is_free = link.parent.is_none() && link.joint.joint_type == JointType::Floating;
+        is_free && model.links().iter().all(|other| other.parent != Some(*i))
+    });
+    links.map(|(i, _)| mechanism.links[i]).collect()
 }
 
 /// Returns the damping of each degree of freedom of the mechanism in steps.

@@ -10,6 +10,7 @@ mod actuator;
 mod check;
 mod contact;
 mod error;
+mod integrator;
 mod joint;
 mod keyframe;
 mod link;
@@ -27,6 +28,7 @@ pub use actuator::{
 };
 pub use contact::{Contact, ContactKind};
 pub use error::{ModelError, ModelErrorKind};
+pub use integrator::Integrator;
 pub use joint::{Friction, Joint, JointDynamics, Limits, Mimic};
 pub use keyframe::Keyframe;
 pub use link::{Frame, Link, longest_path};

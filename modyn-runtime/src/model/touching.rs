@@ -2,7 +2,7 @@
 
 use alloc::{string::String, vec, vec::Vec};
 
-use super::{LoopConstraintEnd, Model, SoftCoupling, SoftTendon, Softness};
+use super::{Integrator, LoopConstraintEnd, Model, SoftCoupling, SoftTendon, Softness};
 use crate::{ContactSurface, StepSettings};
 
 /// The cone of a contact's forces.
@@ -22,6 +22,8 @@ pub enum Cone {
 pub struct SoftConstraints {
     /// The cone of all contacts.
     pub cone: Cone,
+    /// The integrator of steps.
+    pub integrator: Integrator,
     /// How many times stiffer friction is than the normal direction, `MuJoCo`'s `impratio`; `None`: 1.
     pub impratio: Option<f64>,
     /// The shapes that touch the ground.
@@ -51,6 +53,7 @@ impl Default for SoftConstraints {
     fn default() -> Self {
         Self {
             cone: Cone::default(),
+            integrator: Integrator::default(),
             impratio: None,
             shapes: Vec::new(),
             ground: None,

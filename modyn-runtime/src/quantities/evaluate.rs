@@ -11,7 +11,7 @@ use crate::equations::constraints::{
     OperationalInertiaOutputs, ProjectionOutputs, ResidualOutputs,
 };
 use crate::equations::derivatives::CentroidalOutputs;
-use crate::equations::soft_constraints::StepInput;
+use crate::equations::soft_constraints::{ActuatedInput, StepInput};
 use crate::equations::{Forces, ForwardInput, Motion, State, TimeStepInput};
 use crate::interpreter::{
     ActuatorOutputs, ConstrainedDerivatives, ConstrainedHessianOutputs, ForwardDerivatives,

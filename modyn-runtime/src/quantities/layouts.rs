@@ -133,6 +133,14 @@ macro_rules! layouts {
                 let forces = [("forces", point_forces(s))];
                 Shape::Record(Record::Each("StepSolution"), [&motion[..], &forces, &solver].concat())
             };
+            actuated_step (ActuatedStep<
+                Self::Q<T>, Self::V<T>, Self::PerActivation<T>, Self::V<T>, Self::PerTouchingPoint<Vector3<T>>, T, T
+            >) |s| {
+                let motion = [("q", coordinates(s)), ("qd", velocities(s)), ("act", activations(s))];
+                let solution = [("qdd", velocities(s)), ("forces", point_forces(s))];
+                let solver = [("residual", Shape::Scalar), ("iterations", Shape::Scalar)];
+                Shape::Record(Record::Each("ActuatedStep"), [&motion[..], &solution, &solver].concat())
+            };
             actuator_forces (ActuatorForces<Self::V<T>, Self::PerActivation<T>>) |s| {
                 let fields = vec![("tau", velocities(s)), ("act", activations(s))];
                 Shape::Record(Record::Each("ActuatorForces"), fields)

@@ -54,6 +54,7 @@ macro_rules! arguments {
             contacts Contacts,
             settings Settings,
             act Activations,
+            applied Velocities,
             warm_start Velocities,
             step_settings StepSettings,
             uniforms RandomNumbers,
@@ -481,7 +482,7 @@ macro_rules! quantities {
              relative to the largest force. It\n\
              starts from the accelerations `warm_start`: `qdd` of the last step, or zeros. The \
              integrator is semi-implicit Euler,\n\
-             implicit in joint damping.",
+             implicit in joint damping, or MuJoCo's `implicitfast`, as the description says.",
              "`{Self}` has no function `step`"
              => |robot, [next, after, qdd, forces, residual, iterations]| {
                         let outputs = StepSolutionOutputs {
@@ -507,6 +508,28 @@ macro_rules! quantities {
              => |robot, [tau, next]| {
                         let input = ActuatorInput { q, qd, ctrl, act, dt: dt[0] };
                         robot.actuate(input, ActuatorOutputs { tau, act: next })?;
+                    };
+
+            StepActuated step_actuated / step_actuated_with(q, qd, ctrl, dt, act, applied, warm_start, step_settings)
+                -> actuated_step, [actuators solver inertia],
+             "Returns the state and the activations after a step of the time `dt` (s) under the controls `ctrl`: \
+              MuJoCo's `mj_step`. The\n\
+             joint forces are the result of `actuate` at the state before the step, and the forces `applied` beside \
+             it (MuJoCo's\n\
+             `qfrc_applied`). All else is as in `step`.",
+             "`{Self}` has no function `step_actuated`"
+             => |robot, [next, after, next_act, qdd, forces, residual, iterations]| {
+                        let outputs = StepSolutionOutputs {
+                            q: next,
+                            qd: after,
+                            qdd,
+                            forces,
+                            residual: &mut residual[0],
+                            iterations: &mut iterations[0],
+                        };
+                        let actuators = ActuatorInput { q, qd, ctrl, act, dt: dt[0] };
+                        let input = ActuatedInput { actuators, applied, warm_start };
+                        robot.step_actuated(input, &step_settings_of(step_settings), outputs, next_act)?;
                     };
 
             ConstrainedInverseDynamics constrained_inverse_dynamics /

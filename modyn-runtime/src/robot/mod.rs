@@ -14,7 +14,7 @@ use crate::constants::{JointLimits, KinematicModule, ShapeCenter};
 use crate::constraint_settings::{ConstraintSettings, ContactSet, ContactTarget};
 use crate::quantities::table;
 use crate::results::{
-    ActuatorForces, CentroidalMomentumDerivatives, ConstrainedForwardDynamics,
+    ActuatedStep, ActuatorForces, CentroidalMomentumDerivatives, ConstrainedForwardDynamics,
     ConstrainedForwardDynamicsDerivatives, ConstrainedForwardDynamicsHessian,
     ConstrainedInverseDynamics, ConstraintProjection, ConstraintResidual, ContactImpulse,
     DifferenceDerivatives, ForwardDynamicsDerivatives, ForwardDynamicsHessian, ForwardDynamicsJvp,

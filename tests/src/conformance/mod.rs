@@ -258,7 +258,8 @@ fn actuated(activates: bool) -> Builder {
         joint_force_ranges: vec![force_range],
     };
     let model = model.with_actuation(actuation).expect("good actuators");
-    Builder::new().model(model).functions([Function::Actuate, Function::ActuateBatch])
+    let functions = [Function::Actuate, Function::ActuateBatch, Function::StepActuated];
+    Builder::new().model(model).functions(functions)
 }
 
 /// Returns a robot with all joint types, and a spring at each joint.

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use super::{Array, Item, Printer};
-use crate::plan::CARRIED;
+use crate::plan::{CARRIED, PLANNED};
 
 /// Returns whether an argument of a step is a result of it, too.
 fn is_moved(name: &str) -> bool {
@@ -16,33 +16,41 @@ impl Printer {
     pub(super) fn rollout(&mut self, name: &str, step: &Item<'_>, [nq, nv]: [usize; 2]) {
         let real = self.real();
         let state = nq + nv;
-        let others = step.arguments.iter().filter(|array| array.name != "tau");
+        let array = |name: &str| step.arguments.iter().find(|array| array.name == name);
+        let (of_plan, numbers) = PLANNED
+            .into_iter()
+            .find_map(|(name, numbers)| Some((array(name)?, numbers)))
+            .expect("a time step has forces");
+        let others = step.arguments.iter().filter(|array| array.name != of_plan.name);
         let (moved, shared): (Vec<Array>, Vec<Array>) =
             others.cloned().partition(|array| is_moved(&array.name));
         let in_place: String =
             moved.iter().map(|array| self.array(&array.name, array.len) + ", ").collect();
         let shared = self.parameters(&shared);
+        let count = of_plan.len;
         let head = format!(
             "void {name}(unsigned int steps, const {real} *controls, {shared}{in_place}{real} *trajectory)"
         );
-        let start = moved.iter().find(|array| CARRIED.contains(&&*array.name));
-        let carried = start.map_or(String::new(), |Array { name, .. }| {
-            format!(
-                "\n   `{name}` are those of the last step before the call, or zeros, and after it."
-            )
+        let notes = moved.iter().map(|array| match &*array.name {
+            "q" | "qd" => String::new(),
+            "act" => "\n   `act` are the activations before the call, and after it.".into(),
+            name => format!(
+                "\n   `{name}` is the result of the last step before the call, or zeros, and after it."
+            ),
         });
+        let carried: String = notes.collect();
         let _ = writeln!(
             self.header,
-            "/* Moves the state `q`, `qd` by `steps` steps of `{}`. `controls` has {nv} joint \
-             forces for each step.\n   \
+            "/* Moves the state `q`, `qd` by `steps` steps of `{}`. `controls` has {count} {numbers} \
+             for each step.\n   \
              `trajectory` receives {state} numbers for each step, q and qd after it; it may be \
              null.{carried} */\n{head};\n",
             step.name
         );
-        let forces = format!("&controls[step * {nv}]");
-        let passed = step.arguments.iter().map(|array| match &*array.name {
-            "tau" => &*forces,
-            name => name,
+        let numbers_of_step = format!("&controls[step * {count}]");
+        let passed = step.arguments.iter().map(|array| match array.name == of_plan.name {
+            true => &*numbers_of_step,
+            false => &*array.name,
         });
         let arguments = passed.collect::<Vec<&str>>().join(", ");
         let mut text = format!(

@@ -12,7 +12,7 @@ use super::{
     Dialect, GpuArgument, GpuKernel, GpuLanguage, Kernel, Storage, dialect, function, head, kernels,
 };
 use crate::emit::PlannedRobot;
-use crate::plan::{CARRIED, Function, Plan};
+use crate::plan::{CARRIED, Function, PLANNED, Plan};
 
 /// The functions of the user in rollouts, as texts in the language of the kernels.
 ///
@@ -107,8 +107,6 @@ pub struct RolloutSource {
     pub nq: usize,
     /// The number of degrees of freedom.
     pub nv: usize,
-    /// The number of controls of a step.
-    pub controls: usize,
     /// The number of run-time parameters.
     pub parameters: usize,
     /// The buffers of each kernel. In WGSL their bindings in group 0 are counted in this order, and
@@ -126,8 +124,11 @@ pub struct GpuRollout {
     pub name: String,
     /// The name of the function of a time step; `constrained_forward_dynamics` for a semi-implicit
     /// Euler step that closes the loops and holds contacts. `step` starts from the accelerations of
-    /// the step before; the first step starts from zeros.
+    /// the step before; the first step starts from zeros. `step_actuated` also has the activations
+    /// of the step before, zeros in the first step, and no applied forces.
     pub step: &'static str,
+    /// The number of controls of a step.
+    pub controls: usize,
     /// The number of settings of that function, in the order of `ConstraintSettings`, or of
     /// `StepSettings` for `step`; zero for functions without settings.
     pub settings: usize,
@@ -163,14 +164,16 @@ pub(in crate::emit) fn print(
         functions += &function::print(&*dialect, kernel, &mut used);
     }
     let sizes = &plan.sizes;
-    let controls = options.forces.as_ref().map_or(sizes.nv, |forces| forces.controls);
     let parameters = plan.functions.iter().map(|planned| planned.parameters).max().unwrap_or(0);
     let has_functions =
         options.cost.is_some() || options.forces.is_some() || options.contacts.is_some();
     let constrained = constrained_step(&kernels, plan, options);
     let of_table = plan.functions.iter().filter_map(|planned| {
         let kernel = kernels.iter().find(|kernel| kernel.description.function == planned.name)?;
-        Some(Step::OfTable { step: &kernel.description, rollout: planned.rollout()? })
+        let step = Step::OfTable { step: &kernel.description, rollout: planned.rollout()? };
+        // The user's function returns joint forces.
+        let fits = options.forces.is_none() || step.planned().name == "tau";
+        fits.then_some(step)
     });
     let steps: Vec<Step<'_>> = of_table.chain(constrained.map(Step::Constrained)).collect();
     let has_settings = steps.iter().any(|step| step.settings() > 0);
@@ -193,12 +196,14 @@ pub(in crate::emit) fn print(
     let mut loops = String::new();
     for step in &steps {
         let name = format!("{prefix}_{}", step.rollout());
-        let body = body(&*dialect, step, (sizes.nq, sizes.nv, controls), options, &shared);
+        let body = body(&*dialect, step, (sizes.nq, sizes.nv), options, &shared);
         let rollout = Rollout { prefix, name: &name, docs: &docs(options), buffers: &buffers };
         loops += &dialect.rollout_kernel(&rollout, &body);
+        let controls = step.controls(options);
         let settings = step.settings();
         let statements = step.statements();
-        rollouts.push(GpuRollout { name, step: step.function().function, settings, statements });
+        let step = step.function().function;
+        rollouts.push(GpuRollout { name, step, controls, settings, statements });
     }
     let shared_text = Rollout { prefix, name: "", docs: "", buffers: &buffers };
     let head = head(&*dialect, model, prefix);
@@ -212,7 +217,7 @@ pub(in crate::emit) fn print(
     let prefix = prefix.into();
     let nq = sizes.nq;
     let nv = sizes.nv;
-    RolloutSource { language, prefix, text, rollouts, nq, nv, controls, parameters, buffers }
+    RolloutSource { language, prefix, text, rollouts, nq, nv, parameters, buffers }
 }
 
 /// The way a kernel computes the state after a time step.
@@ -238,6 +243,19 @@ impl<'a> Step<'a> {
             Self::OfTable { step, .. } => step,
             Self::Constrained(step) => step.dynamics,
         }
+    }
+
+    /// Returns the argument that the plan has for each step.
+    fn planned(&self) -> &'a GpuArgument {
+        let mut arguments = self.function().arguments.iter();
+        let is_planned =
+            |argument: &&GpuArgument| PLANNED.iter().any(|(name, _)| argument.name == *name);
+        arguments.find(is_planned).expect("a time step has forces")
+    }
+
+    /// Returns the number of controls of a step.
+    fn controls(&self, options: &RolloutOptions) -> usize {
+        options.forces.as_ref().map_or(self.planned().len, |forces| forces.controls)
     }
 
     /// Returns the number of settings.
@@ -296,7 +314,7 @@ fn docs(options: &RolloutOptions) -> String {
 fn body(
     dialect: &dyn Dialect,
     step: &Step<'_>,
-    (nq, nv, controls): (usize, usize, usize),
+    (nq, nv): (usize, usize),
     options: &RolloutOptions,
     shared: &[String],
 ) -> String {
@@ -326,13 +344,16 @@ fn body(
         let settings = dialect.shared_array(RolloutBuffer::Settings, settings);
         text.extend(settings.map(|line| format!("    {line}\n")));
     }
-    let carried = match step {
+    let named = |names: &[&str]| match step {
         Step::OfTable { step, .. } => {
-            step.arguments.iter().find(|argument| CARRIED.contains(&&*argument.name))
+            step.arguments.iter().filter(|argument| names.contains(&&*argument.name)).collect()
         }
-        Step::Constrained(_) => None,
+        Step::Constrained(_) => Vec::new(),
     };
-    if let Some(GpuArgument { name, len, .. }) = carried {
+    let carried: Vec<&GpuArgument> = named(&CARRIED);
+    for GpuArgument { name, len, .. } in
+        named(&["applied"]).into_iter().chain(carried.iter().copied())
+    {
         let zeros = vec![dialect.literal(0.0); *len];
         let _ = writeln!(text, "    {}", dialect.array(name, &zeros));
     }
@@ -340,6 +361,7 @@ fn body(
     let mut line = |line: String| {
         let _ = writeln!(text, "        {line}");
     };
+    let controls = step.controls(options);
     line(dialect.array("u", &numbers(RolloutBuffer::Controls, controls, &in_step(controls))));
     let forces = if options.forces.is_some() { "tau" } else { "u" };
     if options.forces.is_some() {
@@ -357,14 +379,17 @@ fn body(
             let of_state = step.arguments.iter().filter(|argument| !argument.common);
             let names = of_state.map(|argument| match &*argument.name {
                 "tau" => forces.into(),
+                "ctrl" => "u".into(),
                 _ if is_settings(argument) => RolloutBuffer::Settings.name().into(),
                 name => name.into(),
             });
             let of_step: Vec<String> = names.chain(passed(step)).collect();
             line(dialect.call_into("next", step.result, &step.name, &of_step));
             (0..nq + nv).for_each(|j| line(format!("{} = next[{j}];", state(j))));
-            if let Some(GpuArgument { name, len, .. }) = carried {
-                (0..*len).for_each(|j| line(format!("{name}[{j}] = next[{}];", nq + nv + j)));
+            let mut first = nq + nv;
+            for GpuArgument { name, len, .. } in &carried {
+                (0..*len).for_each(|j| line(format!("{name}[{j}] = next[{}];", first + j)));
+                first += len;
             }
         }
         Step::Constrained(step) => {

@@ -152,13 +152,19 @@ fn soft_constraints(model: &Model) -> String {
     format!(
         ".and_then(|model| {{\n            use __modyn::ContactSurface;\n            use __modyn::model::{{Cone, \
          ContactComponents, ContactShape, Impedance, JointReference, JointSoftness, JointSum, \
-         LoopSoftness, SoftConstraints, SoftCoupling, SoftTendon, Softness, TendonJoint, TendonSpring, \
+         LoopSoftness, Integrator, SoftConstraints, SoftCoupling, SoftTendon, Softness, TendonJoint, TendonSpring, \
          TouchingShape}};\n            \
-         model.with_soft_constraints(SoftConstraints {{ cone: Cone::{:?}, impratio: {:?}, \
+         model.with_soft_constraints(SoftConstraints {{ cone: Cone::{:?}, integrator: Integrator::{:?}, \
+         impratio: {:?}, \
          shapes: {shapes}.into(), ground: {:?}, joints: {joints}.into(), loops: {loops}.into(), \
          tendons: {tendons}.into(), couplings: {couplings}.into(), \
          references: {references:?}.into(), joint_limits: {}, joint_friction: {} }})\n        }})\n        ",
-        soft.cone, soft.impratio, soft.ground, soft.joint_limits, soft.joint_friction
+        soft.cone,
+        soft.integrator,
+        soft.impratio,
+        soft.ground,
+        soft.joint_limits,
+        soft.joint_friction
     )
 }
 

@@ -257,9 +257,10 @@ pub fn softness(
 }
 
 /// Returns the power of a curve of impedances, which is rounded to an integer: the place of one that
-/// was none is added to `rounded`.
+/// was none is added to `rounded`. The mean of two equal powers may have a rounding error.
 pub fn power(exponent: f64, at: usize, rounded: &mut Vec<Place>) -> u32 {
-    if exponent >= 1.0 && exponent.fract() != 0.0 {
+    const ROUNDING: f64 = 1e-9;
+    if exponent >= 1.0 && (exponent - exponent.round()).abs() > ROUNDING {
         rounded.push((Some(at), None));
     }
     exponent.round().clamp(1.0, 100.0) as u32

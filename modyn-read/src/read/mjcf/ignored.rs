@@ -17,8 +17,10 @@ pub struct Ignored {
     pub anisotropic: Vec<Place>,
     /// Curves of impedance whose power is no integer.
     pub powers: Vec<Place>,
-    /// The integrator, if it is another one than that of `step`.
-    pub integrators: Vec<Place>,
+    /// Integrators that make other steps than `Euler`.
+    pub explicit_integrators: Vec<Place>,
+    /// Integrators that make other steps than `implicitfast`.
+    pub implicit_integrators: Vec<Place>,
     /// Options of the solver, by their names.
     pub options: BTreeMap<String, Vec<Place>>,
     /// Tendons with limits that do not act in steps.
@@ -28,6 +30,15 @@ pub struct Ignored {
 }
 
 impl Ignored {
+    /// Adds an integrator if none of `step` makes its steps.
+    pub fn integrator(&mut self, name: &str, place: Place) {
+        match name {
+            "RK4" => self.explicit_integrators.push(place),
+            "implicit" => self.implicit_integrators.push(place),
+            _ => {}
+        }
+    }
+
     /// Warns once of each kind.
     pub fn report(self, report: &mut Report<'_>) {
         let Self {
@@ -36,7 +47,8 @@ impl Ignored {
             parameters,
             anisotropic,
             powers,
-            integrators,
+            explicit_integrators,
+            implicit_integrators,
             options,
             tendons,
             couplings,
@@ -67,10 +79,15 @@ impl Ignored {
             "write an integer as the fifth number; contacts mix the powers of two geoms",
         );
         warn(
-            integrators,
-            "`step` has the integrator `Euler`, which is implicit in the damping of joints only",
-            "write `integrator=\"Euler\"` to compare with MuJoCo; or give damping to the joints, in place of the \
-             velocity gains of actuators and the damping of tendons",
+            explicit_integrators,
+            "`step` has the integrator `Euler` in place of `RK4`",
+            "write `integrator=\"Euler\"` or `\"implicitfast\"`; or simulate without contacts by `step_rk4`",
+        );
+        warn(
+            implicit_integrators,
+            "`step` has the integrator `implicitfast` in place of `implicit`: Coriolis and centrifugal forces act with \
+             the velocities before the step",
+            "write `integrator=\"implicitfast\"`, which MuJoCo recommends, to compare with MuJoCo",
         );
         warn(
             tendons,

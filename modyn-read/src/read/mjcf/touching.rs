@@ -1,20 +1,29 @@
 //! The shapes of bodies that touch planes of the world.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::HashSet;
 
-use modyn_runtime::model::{JointReference, LoopConstraintEnd, SoftConstraints, TouchingShape};
+use modyn_runtime::model::{
+    Integrator, JointReference, LoopConstraintEnd, SoftConstraints, TouchingShape,
+};
 use modyn_runtime::spatial::{Matrix3, Pose};
 
 use super::bodies::Bodies;
 use super::check::list;
 use super::contact_law::{Carrier, Contact, Geom, Law, Pair, is_anisotropic, power};
+use super::element::Attribute;
 use super::geoms;
 use super::item::Item;
-use crate::description::{
-    self, Description, Kind, Located, ReadOptions, TakenNames, contact_plane,
-};
+use crate::description::{self, ReadOptions, TakenNames, contact_plane};
 use crate::diagnostics::{Code, Place};
 use crate::read::collision::{MAX_SHAPES, Touching};
+
+/// Returns the integrator of steps that is next to one of `MuJoCo`.
+fn integrator(attribute: &Attribute) -> Integrator {
+    match attribute.value.as_str() {
+        "implicitfast" | "implicit" => Integrator::ImplicitFast,
+        _ => Integrator::Euler,
+    }
+}
 
 /// A plane or a height field of the world.
 struct Ground<'a, 'e> {
@@ -63,11 +72,15 @@ impl<'e> Bodies<'e, '_, '_> {
         let settings = &self.models[0].settings;
         let mut soft = SoftConstraints {
             cone: settings.cone,
+            integrator: settings.integrator.map_or_else(Integrator::default, integrator),
             impratio: settings.impratio,
             joint_limits: settings.limits,
             joint_friction: true,
             ..SoftConstraints::default()
         };
+        if let Some(Attribute { value, at, .. }) = settings.integrator {
+            self.ignored.integrator(value, (Some(*at), None));
+        }
         let geoms = std::mem::take(&mut self.geoms);
         // Contacts of the options replace the shapes.
         let given = options.ground.filter(|_| options.contacts.is_empty());
@@ -128,51 +141,12 @@ impl<'e> Bodies<'e, '_, '_> {
         self.ignored.tendons = spatial.filter(|item| self.is_limited(item)).map(place).collect();
         soft.tendons = std::mem::take(&mut self.tendons);
         soft.couplings = std::mem::take(&mut self.couplings);
-        let integrator = self.models[0].settings.integrator;
-        let integrator =
-            integrator.filter(|attribute| self.differs_from_euler(&attribute.value, &soft));
-        self.ignored.integrators =
-            integrator.iter().map(|attribute| (Some(attribute.at), None)).collect();
         for option in &self.models[0].settings.ignored {
             let places = self.ignored.options.entry(option.name.clone()).or_default();
             places.push((Some(option.at), None));
         }
         std::mem::take(&mut self.ignored).report(self.report);
         self.description.soft = Some(soft);
-    }
-
-    /// Returns whether an integrator of `MuJoCo` makes other steps than `Euler`. `implicitfast` is implicit
-    /// in the damping of tendons, the velocity gains of actuators and the rotation of bodies that are
-    /// free and carry no joint, too.
-    fn differs_from_euler(&self, integrator: &str, soft: &SoftConstraints) -> bool {
-        match integrator {
-            "Euler" => false,
-            "implicitfast" => {
-                let tendons = soft.tendons.iter().any(|tendon| tendon.spring.damping > 0.0);
-                let mut actuators = self.description.actuation.actuators.iter();
-                let has_gain = actuators.any(|actuator| {
-                    actuator.enabled
-                        && [actuator.bias, actuator.gain].iter().any(|law| law.velocity != 0.0)
-                });
-                tendons || has_gain || self.has_lone_bodies()
-            }
-            _ => true,
-        }
-    }
-
-    /// Returns whether a free body carries no joint that moves.
-    fn has_lone_bodies(&self) -> bool {
-        let Description { links, joints, .. } = &self.description;
-        let names = links.iter().zip(&self.carriers);
-        let carriers: HashMap<&str, usize> =
-            names.map(|(link, carrier)| (link.name.text.as_str(), *carrier)).collect();
-        let carrier = |link: &Option<Located>| carriers.get(link.as_ref()?.text.as_str()).copied();
-        let moving = joints.iter().filter(|joint| matches!(joint.kind, Kind::Moving(_)));
-        let parents: HashSet<usize> = moving.filter_map(|joint| carrier(&joint.parent)).collect();
-        let mut free = self.free_poses.keys();
-        free.any(|joint| {
-            carrier(&joints[*joint].child).is_some_and(|body| !parents.contains(&body))
-        })
     }
 
     /// Returns whether a tendon has a range that limits it.

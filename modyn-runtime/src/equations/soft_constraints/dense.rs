@@ -4,7 +4,7 @@
 use alloc::{vec, vec::Vec};
 
 use super::input::StepInput;
-use super::responses::{Effect, ImplicitDamping};
+use super::responses::{Effect, ImplicitDampers};
 use crate::Scalar;
 use crate::equations::dynamics::{inverse_dynamics, mass_matrix};
 use crate::equations::factorization::{UduLayout, factorize_matrix, solve};
@@ -83,13 +83,12 @@ impl<S: Scalar> DenseProblem<S> {
                     add(row, row, stiffness);
                 }
             }
-            Effect::Forces(dampings) => {
-                for &ImplicitDamping { entry, armature, force } in dampings {
-                    let mut unit = vec![S::zero(); nv];
-                    unit[entry] = S::one();
-                    add(&unit, &unit, armature);
-                    sum[entry] = sum[entry] + force;
+            Effect::Forces(ImplicitDampers { armature, forces }) => {
+                for ([row, column], entry) in armature.entries() {
+                    let sum = &mut matrix[column * nv + row];
+                    *sum = *sum + entry;
                 }
+                forces.iter().for_each(|&(dof, force)| sum[dof] = sum[dof] + force);
             }
         }
         let mut pivots = vec![S::zero(); layout.pivots()];

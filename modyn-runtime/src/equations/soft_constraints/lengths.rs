@@ -83,13 +83,20 @@ pub(super) struct LengthState<S> {
 impl<S: Scalar> Length<S> {
     /// Returns the length at a state.
     pub(super) fn at(&self, input: StepInput<'_, S>) -> LengthState<S> {
-        let entry = |&LengthTerm { dof, factor, .. }: &LengthTerm<S>| RowEntry { dof, factor };
-        let entries: Vec<RowEntry<S>> = self.terms.iter().map(entry).collect();
+        let entries = self.entries();
         let length = self
             .terms
             .iter()
             .fold(self.offset, |length, term| length + term.factor * input.q[term.coordinate]);
         LengthState { length, rate: rate(&entries, input.qd), entries }
+    }
+}
+
+impl<S: Copy> Length<S> {
+    /// Returns the derivative of the length.
+    pub(super) fn entries(&self) -> Vec<RowEntry<S>> {
+        let entry = |&LengthTerm { dof, factor, .. }: &LengthTerm<S>| RowEntry { dof, factor };
+        self.terms.iter().map(entry).collect()
     }
 }
 

@@ -14,10 +14,17 @@
 //! residual need no further recursion: after a step a = a0 + M^-1 J^T G holds for forces G of the
 //! rows, so the function's slope is a sum over the rows.
 //!
+//! The dampers of joints act with the velocities after the step, and by `implicitfast` so do the dampers
+//! of tendons, the velocity gains of actuators (`damping`) and the rotation of free bodies
+//! (`free_bodies`).
+//!
 //! Loops, tendons, couplings and mimic joints couple limbs: with them Newton's matrix is factorized as a whole
 //! (`dense`).
 
+mod actuated;
+mod damping;
 mod dense;
+mod free_bodies;
 mod input;
 mod law;
 mod lengths;
@@ -31,11 +38,14 @@ mod single_rows;
 mod stops;
 mod touching_points;
 
+pub use actuated::{ActuatedForces, ActuatedInput};
+pub use damping::DampingMatrix;
+pub(crate) use damping::couples;
 pub use input::StepInput;
 pub use law::{ContactLaw, Response, RowState, SoftRow};
 pub use lengths::{CouplingParameters, Length, LengthTerm, SpringParameters, TendonParameters};
 pub use newton::{Advance, MAX_ITERATIONS, MAX_SEARCH, Progress, Search, SoftStep, soft_step};
-pub use problem::{Iterate, SoftMotion, StepProblem, moved};
+pub use problem::{Iterate, SoftMotion, StepProblem, next_state};
 pub use rows::{ContactParameters, JointParameters, LoopParameters, SoftModel};
 pub use stops::StopParameters;
 pub use touching_points::{TouchingPoint, touching_points};

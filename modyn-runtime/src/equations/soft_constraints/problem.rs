@@ -2,11 +2,13 @@
 
 use alloc::{vec, vec::Vec};
 
+use super::damping::DampingMatrix;
 use super::dense::DenseProblem;
+use super::free_bodies::{move_free_bodies, turning};
 use super::input::StepInput;
 use super::lengths::RowEntry;
 use super::loops::LoopRows;
-use super::responses::{Effect, ImplicitDamping, Laws};
+use super::responses::{Effect, ImplicitDampers, Laws};
 use super::rows::{BodyState, ContactOptions, ContactRows, SoftModel, body_twists, softness};
 use super::single_rows::{SingleRow, single_rows};
 use crate::equations::Workspace;
@@ -14,7 +16,6 @@ use crate::equations::dynamics::newton_euler::{Accelerations, link_wrenches};
 use crate::equations::dynamics::{Elimination, add_free_fall, against_fall, is_base};
 use crate::equations::kinematics::coordinates;
 use crate::equations::kinematics::links::compute_body_poses;
-use crate::mechanism::coordinates::CoordinateSpace;
 use crate::mechanism::{BodyTree, Mechanism};
 use crate::scalar::at_most;
 use crate::spatial::{Matrix3, Pose, Vector3, Wrench};
@@ -25,36 +26,30 @@ use crate::{ContactSurface, Scalar, StepSettings};
 pub struct SoftMotion<S> {
     /// The accelerations by the laws.
     pub qdd: Vec<S>,
-    /// The accelerations that move the state: the damping of joints acts with the velocities after
-    /// the step.
+    /// The accelerations that move the state, but for the rotation of free bodies: dampers act with the
+    /// velocities after the step.
     pub damped: Vec<S>,
     /// The force of each contact along the x and y axes of its plane, then along the normal, N.
     pub forces: Vec<[S; 3]>,
 }
 
-/// Returns the coordinates and the velocities after a step with these accelerations. Positions move straight,
-/// rotations by the exponential map, as in MuJoCo.
-pub fn moved<S: Scalar>(model: &Mechanism<S>, input: StepInput<'_, S>, qdd: &[S]) -> [Vec<S>; 2] {
+/// Returns the coordinates and the velocities after a step with the accelerations `qdd` by the laws, and those
+/// that move the state. Positions move straight, rotations by the exponential map, as in MuJoCo.
+pub fn next_state<S: Scalar>(
+    model: &Mechanism<S>,
+    soft: &SoftModel<impl Copy>,
+    input: StepInput<'_, S>,
+    [qdd, damped]: [&[S]; 2],
+) -> [Vec<S>; 2] {
     let StepInput { q, qd, dt, .. } = input;
+    let mut rates = damped.to_vec();
+    move_free_bodies(model, soft, input, qdd, &mut rates);
     // The velocities of a floating joint are in axes that rotate, and straight motion keeps them in the world.
-    let rates = qdd.iter().zip(turning(model, qd)).map(|(&rate, turning)| rate + turning);
+    let rates = rates.into_iter().zip(turning(model, qd)).map(|(rate, turning)| rate + turning);
     let mut next_qd: Vec<S> = qd.iter().zip(rates).map(|(&v, rate)| v + dt * rate).collect();
     let mut next_q = vec![S::zero(); model.nq];
     coordinates::move_straight(model, q, &mut next_qd, dt, &mut next_q);
     [next_q, next_qd]
-}
-
-/// Returns what the accelerations of floating joints lack to the rates of their velocities in the
-/// world, in the axes of the joint: omega x v for linear entries, zero for all others.
-fn turning<S: Scalar>(model: &Mechanism<S>, qd: &[S]) -> Vec<S> {
-    let mut turning = vec![S::zero(); model.nv];
-    let spaces = model.coordinates.iter();
-    for block in spaces.filter(|block| matches!(block.space, CoordinateSpace::Pose)) {
-        let [linear, angular] =
-            [block.v, block.v + 3].map(|start| Vector3([qd[start], qd[start + 1], qd[start + 2]]));
-        turning[block.v..block.v + 3].copy_from_slice(&angular.cross(linear).0);
-    }
-    turning
 }
 
 /// Returns the number of lanes of each body.
@@ -94,6 +89,8 @@ pub struct StepProblem<'a, S, T> {
     loops: Vec<LoopRows<S>>,
     /// The number of lanes of each row.
     lanes: Vec<usize>,
+    /// The dampers that act with the velocities after the step.
+    damping: DampingMatrix<S>,
     /// The factor of all weights that makes the stiffest row soft.
     pub(super) softening: S,
     /// The largest residual at which the solver ends.
@@ -192,6 +189,7 @@ impl<'a, S: Scalar, T: BodyTree<S>> StepProblem<'a, S, T> {
             single_rows,
             loops,
             lanes,
+            damping: DampingMatrix::of_step(soft, model),
             softening: S::one(),
             tolerance: settings.tolerance,
             weight: soft.weight,
@@ -210,6 +208,13 @@ impl<'a, S: Scalar, T: BodyTree<S>> StepProblem<'a, S, T> {
             dense.with_rows(&problem.fall, jacobian)
         });
         problem
+    }
+
+    /// Returns the problem with further dampers that act with the velocities after the step.
+    #[must_use]
+    pub fn damped_by(mut self, dampers: &DampingMatrix<S>) -> Self {
+        self.damping.add(dampers);
+        self
     }
 
     /// Returns, for each row, its acceleration by each unit acceleration of a joint.
@@ -299,10 +304,10 @@ impl<'a, S: Scalar, T: BodyTree<S>> StepProblem<'a, S, T> {
     pub fn motion(&mut self, end: &Iterate<S>) -> SoftMotion<S> {
         let laws = self.laws(end, S::one());
         let qdd = self.rates();
-        let dampings = self.implicit_dampings();
-        if !dampings.is_empty() {
+        if !self.damping.is_zero() {
+            let dampers = self.implicit_dampers();
             let forces: Vec<S> = laws.forces().collect();
-            self.accelerate(&forces, Effect::Forces(&dampings));
+            self.accelerate(&forces, Effect::Forces(&dampers));
         }
         SoftMotion {
             qdd,
@@ -364,11 +369,10 @@ impl<'a, S: Scalar, T: BodyTree<S>> StepProblem<'a, S, T> {
                     }
                 }
             }
-            Effect::Forces(dampings) => {
-                for &ImplicitDamping { entry, armature, force } in dampings {
-                    workspace.added_armature[entry] = Some(armature);
-                    tau[entry] = tau[entry] + force;
-                }
+            Effect::Forces(ImplicitDampers { armature, forces }) => {
+                // Coupled dampers need the factors of the whole matrix.
+                workspace.added_armature.copy_from_slice(&armature.diagonal);
+                forces.iter().for_each(|&(dof, force)| tau[dof] = tau[dof] + force);
             }
         }
         let qd = self.input.qd;
@@ -378,20 +382,17 @@ impl<'a, S: Scalar, T: BodyTree<S>> StepProblem<'a, S, T> {
         workspace.added_armature.fill(None);
     }
 
-    /// Returns the dampings that act with the velocities after the step. Accelerations are relative
+    /// Returns the dampers that act with the velocities after the step. Accelerations are relative
     /// to free fall, and the linear velocity of a floating joint is damped in the world, in which the
     /// axes of its entries rotate.
-    fn implicit_dampings(&self) -> Vec<ImplicitDamping<S>> {
-        let model = self.tree.mechanism();
-        let StepInput { qd, dt, .. } = self.input;
-        let turning = turning(model, qd);
-        let damped = model.dofs.iter().filter_map(|dof| {
-            let multiplier = dof.multiplier.unwrap_or_else(S::one);
-            let armature = multiplier * (dof.damping? * dt) * multiplier;
-            let force = -(armature * (self.fall[dof.v] + turning[dof.v]));
-            Some(ImplicitDamping { entry: dof.v, armature, force })
-        });
-        damped.collect()
+    fn implicit_dampers(&self) -> ImplicitDampers<S> {
+        let turning = turning(self.tree.mechanism(), self.input.qd);
+        let rates = self.fall.iter().zip(turning).map(|(&fall, turning)| fall + turning);
+        let armature = self.damping.scaled(self.input.dt);
+        let resistance = armature.times(&rates.collect::<Vec<S>>());
+        let damped = (0..resistance.len()).filter(|&dof| armature.diagonal[dof].is_some());
+        let forces = damped.map(|dof| (dof, -resistance[dof])).collect();
+        ImplicitDampers { armature, forces }
     }
 
     /// Returns the accelerations of the joints.

@@ -2,6 +2,7 @@
 
 use alloc::vec::Vec;
 
+use super::damping::DampingMatrix;
 use super::law::Response;
 use crate::Scalar;
 
@@ -42,16 +43,15 @@ impl<S: Scalar> Laws<S> {
 pub(super) enum Effect<'a, S> {
     /// Forces, and the stiffness of these laws as added inertia.
     Stiff(&'a Laws<S>),
-    /// Forces, and dampings that act with the velocities after the step.
-    Forces(&'a [ImplicitDamping<S>]),
+    /// Forces, and dampers that act with the velocities after the step.
+    Forces(&'a ImplicitDampers<S>),
 }
 
-/// A damping that acts with the velocity after a step.
-pub(super) struct ImplicitDamping<S> {
-    /// The entry of qd.
-    pub entry: usize,
+/// Dampers that act with the velocities after a step.
+pub(super) struct ImplicitDampers<S> {
     /// The damping times the time of the step, which adds to the mass matrix.
-    pub armature: S,
-    /// The joint force by free fall and by the rotation of the entry's axis.
-    pub force: S,
+    pub armature: DampingMatrix<S>,
+    /// The joint forces by free fall and by the rotation of the axes of the velocities, each with its
+    /// entry of qd.
+    pub forces: Vec<(usize, S)>,
 }

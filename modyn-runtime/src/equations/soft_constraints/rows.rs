@@ -8,7 +8,7 @@ use super::shapes;
 use super::stops::StopParameters;
 use crate::equations::Workspace;
 use crate::mechanism::{BodyTree, Mechanism};
-use crate::model::{Cone, ContactComponents, ContactShape, Impedance, Softness};
+use crate::model::{Cone, ContactComponents, ContactShape, Impedance, Integrator, Softness};
 use crate::spatial::{ArticulatedInertia, Matrix3, Pose, Symmetric3, Twist, Vector3, Wrench};
 use crate::{ContactSurface, Scalar};
 
@@ -17,6 +17,8 @@ use crate::{ContactSurface, Scalar};
 pub struct SoftModel<S> {
     /// The cone of all contacts.
     pub cone: Cone,
+    /// How dampers act.
+    pub integrator: Integrator,
     /// The robot's weight on Earth, N: the unit of residuals.
     pub weight: S,
     /// The shapes that touch the ground.
@@ -32,6 +34,11 @@ pub struct SoftModel<S> {
     pub couplings: Vec<CouplingParameters<S>>,
     /// The loop constraints.
     pub loops: Vec<LoopParameters<S>>,
+    /// The entries of qd that each damper of `implicitfast` couples: of a tendon, or of an actuator that
+    /// pulls one.
+    pub coupled_dampers: Vec<Vec<usize>>,
+    /// The bodies whose rotation is implicit.
+    pub free_bodies: Vec<usize>,
 }
 
 /// The parameters of a loop constraint.
@@ -310,6 +317,9 @@ impl<S: Copy> SoftModel<S> {
     pub fn map<T>(&self, f: impl Fn(S) -> T + Copy) -> SoftModel<T> {
         SoftModel {
             cone: self.cone,
+            integrator: self.integrator,
+            coupled_dampers: self.coupled_dampers.clone(),
+            free_bodies: self.free_bodies.clone(),
             weight: f(self.weight),
             contacts: self.contacts.iter().map(|contact| contact.map(f)).collect(),
             damping: self.damping.iter().map(|damping| damping.map(f)).collect(),
@@ -361,27 +371,30 @@ impl<S: Copy> SoftModel<S> {
     /// Returns whether loops, tendons or couplings are on several limbs, or can be.
     #[must_use]
     pub fn acts_across_limbs(&self) -> bool {
-        !(self.loops.is_empty() && self.tendons.is_empty() && self.couplings.is_empty())
+        let rows = [self.loops.len(), self.tendons.len(), self.couplings.len()];
+        rows.iter().any(|count| *count > 0) || !self.coupled_dampers.is_empty()
     }
 
-    /// Returns whether rows couple limbs, so that the mass matrix is factorized as a whole.
+    /// Returns whether rows or dampers couple limbs, so that the mass matrix is factorized as a whole.
     #[must_use]
     pub fn couples_limbs(&self) -> bool {
         !self.loops.is_empty() || self.coupled_joints().next().is_some()
     }
 
-    /// Returns the entries of qd that each tendon and each coupling moves, if they are several.
+    /// Returns the entries of qd that each tendon, each coupling and each damper moves, if they are
+    /// several.
     pub fn coupled_joints(&self) -> impl Iterator<Item = Vec<usize>> {
         let tendons = self.tendons.iter().filter(|tendon| tendon.stops.softness().next().is_some());
         let tendons = tendons.map(|tendon| core::slice::from_ref(&tendon.length));
         let lengths = tendons.chain(self.couplings.iter().map(|coupling| &coupling.lengths[..]));
-        lengths.filter_map(|lengths| {
+        let of_rows = lengths.filter_map(|lengths| {
             let terms = lengths.iter().flat_map(|length| &length.terms);
             let mut joints: Vec<usize> = terms.map(|term| term.dof).collect();
             joints.sort_unstable();
             joints.dedup();
             (joints.len() > 1).then_some(joints)
-        })
+        });
+        of_rows.chain(self.coupled_dampers.iter().cloned())
     }
 }
 
