@@ -4,10 +4,15 @@
 //! `modyn::simulate::State::step` is the same step for generated robots.
 
 use modyn_runtime::equations::TimeStepInput;
-use modyn_runtime::equations::soft_constraints::{SoftModel, StepInput, TouchingPoint};
+use modyn_runtime::equations::actuation::ActuatorInput;
+use modyn_runtime::equations::soft_constraints::{
+    ActuatedInput, SoftModel, StepInput, TouchingPoint,
+};
 use modyn_runtime::joint::JointType;
 use modyn_runtime::model::{Impedance, Model, Softness};
-use modyn_runtime::{ContactSurface, Interpreter, ShapeError, StepSettings, StepSolutionOutputs};
+use modyn_runtime::{
+    ActuatorOutputs, ContactSurface, Interpreter, ShapeError, StepSettings, StepSolutionOutputs,
+};
 
 /// What touches the ground.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -85,6 +90,23 @@ pub struct ContactSteps {
     efforts: Vec<(usize, f64)>,
     /// The accelerations of the last step, from which the solver starts.
     qdd: Vec<f64>,
+    /// The actuators; `None` if none acts.
+    servos: Option<Servos>,
+}
+
+/// The actuators of a scene, whose controls are zero, as MuJoCo starts.
+struct Servos {
+    ctrl: Vec<f64>,
+    act: Vec<f64>,
+}
+
+impl Servos {
+    /// Returns the actuators of a model on the ground of its description; `None` if it has none.
+    fn of(model: &Model, options: Options) -> Option<Self> {
+        let [controls, activations] = [model.control_names().len(), model.activation_names().len()];
+        let acts = options.ground == Ground::Described && controls > 0;
+        acts.then(|| Self { ctrl: vec![0.0; controls], act: vec![0.0; activations] })
+    }
 }
 
 /// The state after a step, and the forces in it.
@@ -95,6 +117,8 @@ pub struct Step {
     pub qd: Vec<f64>,
     /// The accelerations by the laws.
     pub qdd: Vec<f64>,
+    /// The joint forces, with the forces of actuators.
+    pub tau: Vec<f64>,
     /// The points that can touch the ground.
     pub points: Vec<GroundPoint>,
     /// The largest mismatch between the forces and their laws, divided by the sum of the robot's
@@ -165,7 +189,8 @@ impl ContactSteps {
         };
         let joints = 0..if options.limits == Limits::Act { model.links().len() } else { 0 };
         let efforts = joints.filter_map(effort).collect();
-        Self { interpreter, settings, efforts, qdd: vec![0.0; model.nv()] }
+        let servos = Servos::of(model, options);
+        Self { interpreter, settings, efforts, qdd: vec![0.0; model.nv()], servos }
     }
 
     /// Reduces joint forces to the effort limits.
@@ -182,13 +207,14 @@ impl ContactSteps {
     /// If a length is not the model's.
     pub fn step(&mut self, input: TimeStepInput<'_, f64>) -> Result<Step, ShapeError> {
         let TimeStepInput { q, qd, tau, dt } = input;
-        let Self { interpreter, settings, qdd, .. } = self;
+        let Self { interpreter, settings, qdd, servos, .. } = self;
         let points = interpreter.touching_points(q, settings)?;
         let mut forces = vec![0.0; 3 * points.len()];
         let mut step = Step {
             q: vec![0.0; q.len()],
             qd: vec![0.0; qd.len()],
             qdd: vec![0.0; qd.len()],
+            tau: tau.to_vec(),
             points: Vec::new(),
             residual: 0.0,
         };
@@ -200,8 +226,24 @@ impl ContactSteps {
             residual: &mut step.residual,
             iterations: &mut 0.0,
         };
-        let input = StepInput { q, qd, tau, warm_start: qdd, dt };
-        interpreter.step(input, settings, outputs)?;
+        match servos {
+            None => {
+                let input = StepInput { q, qd, tau, warm_start: qdd, dt };
+                interpreter.step(input, settings, outputs)?;
+            }
+            Some(Servos { ctrl, act }) => {
+                let mut forces_of_servos = vec![0.0; qd.len()];
+                let mut next_act = act.clone();
+                let actuators = ActuatorInput { q, qd, ctrl, act, dt };
+                let actuated =
+                    ActuatorOutputs { tau: &mut forces_of_servos, act: &mut next_act };
+                interpreter.actuate(actuators, actuated)?;
+                let input = ActuatedInput { actuators, applied: tau, warm_start: qdd };
+                interpreter.step_actuated(input, settings, outputs, &mut next_act)?;
+                *act = next_act;
+                step.tau.iter_mut().zip(forces_of_servos).for_each(|(tau, force)| *tau += force);
+            }
+        }
         qdd.copy_from_slice(&step.qdd);
         let forces = points.into_iter().zip(forces.as_chunks::<3>().0);
         let in_world = forces.map(|(TouchingPoint { shape, place, gap }, force)| GroundPoint {

@@ -436,6 +436,30 @@ const SCENE: &str = r#"<mujoco model="ball"><worldbody><geom type="plane" size="
     <body pos="0 0 0.2"><joint name="hinge" axis="0 1 0" range="-20 20"/><geom type="sphere" size="0.05" pos="0.03 0 0.1" mass="0.5"/>
     </body></body></worldbody></mujoco>"#;
 
+/// The actuators of a scene act with controls that are zero: a servo holds its joint against gravity, by the integrator of the
+/// description.
+#[test]
+fn actuators_of_a_scene_have_zero_controls() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
+    let servo = "<actuator><position joint=\"hinge\" kp=\"4000\" kv=\"400\"/></actuator>";
+    let actuated = SCENE
+        .replace("<worldbody>", "<option integrator=\"implicitfast\"/><worldbody>")
+        .replace("</mujoco>", &format!("{servo}</mujoco>"));
+    let angle = |text: &str| {
+        std::fs::write(path("scene.xml"), text).expect("written");
+        let table_path = path("scene.csv");
+        let motion =
+            modyn(&["simulate", &path("scene.xml"), "--time", "1", "--csv", &table_path]);
+        assert_eq!(motion.code, 0, "{}", motion.err);
+        let (head, rows) = table(&std::fs::read_to_string(table_path).expect("a table"));
+        rows.iter().map(|row| row[column(&head, "hinge (rad)")].abs()).fold(0.0, f64::max)
+    };
+    let [free, held] = [SCENE, &actuated].map(angle);
+    assert!(free > 0.1 && held < 0.05, "{free} {held}");
+}
+
+
 /// The shapes of an MJCF touch its floor, and its joint limits act, without an option.
 #[test]
 fn a_scene_moves_on_its_floor() {

@@ -51,7 +51,7 @@ def arguments(own, name, n=3):
 
 
 # `brge` returns factors; `actuate` needs actuators, which this robot lacks.
-FUNCTIONS = [name for name in modyn.functions() if name not in ("brge", "actuate")]
+FUNCTIONS = [name for name in modyn.functions() if name not in ("brge", "actuate", "step_actuated")]
 # Their derivatives are of third order, and long.
 HESSIANS = [name for name in FUNCTIONS if name.endswith("_hessian")]
 

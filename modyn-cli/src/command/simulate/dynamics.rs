@@ -159,7 +159,7 @@ impl<'a> Dynamics<'a> {
         self.set_torques(time);
         let State { q, qd, energy: [work, taken] } = state;
         let Some(steps) = &mut self.contact_steps else { return Ok(state.clone()) };
-        let Step { q: next_q, qd: next_qd, qdd, points, residual } =
+        let Step { q: next_q, qd: next_qd, qdd, tau, points, residual } =
             steps.step(TimeStepInput { q, qd, tau: &self.tau, dt })?;
         self.lowest = points.iter().map(|point| point.gap).fold(self.lowest, f64::min);
         self.residual = self.residual.max(residual);
@@ -170,7 +170,7 @@ impl<'a> Dynamics<'a> {
         let mut forces = vec![0.0; qd.len()];
         smooth.inverse_dynamics(q, qd, &qdd, &mut forces)?;
         let mean: Vec<f64> = qd.iter().zip(&qdd).map(|(v, a)| v + dt / 2.0 * a).collect();
-        let done = dt * power(&self.tau, &mean);
+        let done = dt * power(&tau, &mean);
         let energy = [work + done, taken + done - dt * power(&forces, &mean)];
         Ok(State { q: next_q, qd: next_qd, energy })
     }
