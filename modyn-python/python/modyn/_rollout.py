@@ -68,7 +68,7 @@ def rollout_vjp(
         raise TypeError("`cost_weights` of `rollout_vjp` are those of a `cost`")
     solves = code.step.start is not None
     own = ("cost",) if cost is not None else ()
-    names = ["q", "qd", *own, "controls", "dt", *(name for name in OWN if name in arguments)]
+    names = ["q", "qd", *own, "controls", "dt", *(name for name in OWN if name in RolloutSignature.of(robot, *step).shapes)]
     names += [name for name in FEEDBACK if arguments[name] is not None]
     names += COST if cost is not None else ()
     wanted = [k for k, name in enumerate(names) if name not in own and k != code.step.start]
