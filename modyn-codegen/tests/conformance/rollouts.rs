@@ -349,7 +349,7 @@ fn rollouts_under_controls() {
             "static vector<double> settings = {{ 1e-12, 1 }};\nstatic unsigned current;\nstatic const double *given;\n\
             static void ours_step_actuated(const double *q, const double *qd, const double *, const double *dt, double *next)\n{{\n\
             const int n = OURS_NQ + OURS_NV, na = {activations};\n\
-            static double start[OURS_NV], act[na + 1], applied[OURS_NV];\ndouble r[n + na + OURS_NV + 2];\n\
+            static double start[OURS_NV], act[na + 1], applied[OURS_NV];\ndouble r[n + na + OURS_NV + 2];\n(void)act;\n\
             for (int j = 0; j < OURS_NV && current == 0; ++j) start[j] = 0;\n\
             for (int j = 0; j < na && current == 0; ++j) act[j] = 0;\n\
             ours_step_actuated(q, qd, given, dt, {act}applied, start, settings.data(), r);\n\
