@@ -235,8 +235,7 @@ impl ContactSteps {
                 let mut forces_of_servos = vec![0.0; qd.len()];
                 let mut next_act = act.clone();
                 let actuators = ActuatorInput { q, qd, ctrl, act, dt };
-                let actuated =
-                    ActuatorOutputs { tau: &mut forces_of_servos, act: &mut next_act };
+                let actuated = ActuatorOutputs { tau: &mut forces_of_servos, act: &mut next_act };
                 interpreter.actuate(actuators, actuated)?;
                 let input = ActuatedInput { actuators, applied: tau, warm_start: qdd };
                 interpreter.step_actuated(input, settings, outputs, &mut next_act)?;

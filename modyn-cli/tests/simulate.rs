@@ -449,8 +449,7 @@ fn actuators_of_a_scene_have_zero_controls() {
     let angle = |text: &str| {
         std::fs::write(path("scene.xml"), text).expect("written");
         let table_path = path("scene.csv");
-        let motion =
-            modyn(&["simulate", &path("scene.xml"), "--time", "1", "--csv", &table_path]);
+        let motion = modyn(&["simulate", &path("scene.xml"), "--time", "1", "--csv", &table_path]);
         assert_eq!(motion.code, 0, "{}", motion.err);
         let (head, rows) = table(&std::fs::read_to_string(table_path).expect("a table"));
         rows.iter().map(|row| row[column(&head, "hinge (rad)")].abs()).fold(0.0, f64::max)
@@ -458,7 +457,6 @@ fn actuators_of_a_scene_have_zero_controls() {
     let [free, held] = [SCENE, &actuated].map(angle);
     assert!(free > 0.1 && held < 0.05, "{free} {held}");
 }
-
 
 /// The shapes of an MJCF touch its floor, and its joint limits act, without an option.
 #[test]
