@@ -5,7 +5,8 @@ pub mod vocabulary;
 
 use modyn_codegen::diagnostics::{Code, Diagnostics, Severity};
 use modyn_codegen::{
-    Base, Builder, Friction, Function, Ground, Mimic, ReadOptions, Reading, Rotor, joints_without_inertia,
+    Base, Builder, Friction, Function, Ground, Mimic, ReadOptions, Reading, Rotor,
+    joints_without_inertia,
 };
 
 pub use mutate::mutate;
