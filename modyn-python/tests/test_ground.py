@@ -364,3 +364,24 @@ def test_wrong_arguments():
         robot.rollout(q, qd, controls, 0.001, step="step", cost=modyn.QuadraticCost(q[0], np.ones(2 * robot.nv)))
     with pytest.raises(ValueError, match="there is no time step `ground`; there are: .*step"):
         robot.rollout(q, qd, controls, 0.001, step="ground")
+
+
+def test_a_ground_in_jax_keeps_its_heights():
+    """A step and its derivatives are on the ground as it was when the function was made."""
+    jax = pytest.importorskip("jax")
+    import modyn.jax
+
+    jax.config.update("jax_enable_x64", True)
+    robot = modyn.load(ROBOTS / "quadruped.urdf", base="floating", contacts={foot: ("point", foot, [0, 0, 0]) for foot in FEET})
+    q, controls, heights = robot.neutral(), np.zeros((20, robot.nv)), np.full((2, 2), -0.42)
+    rollout = modyn.jax.rollout(robot, step="step", ground=modyn.HeightField(heights, (-5, -5), (10, 10)))
+    energy = jax.jit(lambda qd: (rollout(q, qd, controls, 0.002).qd[-1] ** 2).sum())
+    qd = 0.1 * np.ones(robot.nv)
+    value = float(energy(qd))
+    expected = jax.grad(energy)(qd)
+    heights[:] = 0.2
+    again = modyn.jax.rollout(robot, step="step", ground=modyn.HeightField(np.full((2, 2), -0.42), (-5, -5), (10, 10)))
+    assert float(energy(qd)) == value
+    close(jax.grad(lambda qd: (again(q, qd, controls, 0.002).qd[-1] ** 2).sum())(qd), expected, 1e-12)
+    derivative = jax.grad(lambda qd: (rollout(q, qd, controls, 0.002).qd[-1] ** 2).sum())(qd)
+    close(derivative, expected, 1e-12)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import functools
 import inspect
 import re
@@ -37,8 +38,6 @@ class Code:
         """the shapes of the arguments for one state"""
         self.outputs: list[Shape] = handle.outputs
         """the shapes of the results for one state"""
-        self.compiled: dict[Any, Any] = {}
-        """the programs of JAX that call the code at once"""
 
     def at_solution(self, arguments: Sequence[Any], results: Sequence[Any]) -> list[Any]:
         """Returns the arguments at which derivatives are taken: a solver starts from the accelerations of its solution."""
@@ -207,9 +206,9 @@ class RolloutSignature:
         self.solves, self.is_actuated = ("warm_start" in self.parameters.names), ("ctrl" in self.parameters.names)
         nq, nv = robot.nq, robot.nv
         self.shapes: dict[str, Shape] = {"q": (nq,), "qd": (nv,), "cost": (), "controls": (nv,), "dt": ()}
+        """the shapes of the arguments for one state, in their order"""
         if self.is_actuated:
             self.shapes["controls"] = (len(robot.control_names),)
-        """the shapes of the arguments for one state, in their order"""
         self.shapes |= {name: shape for name, shape in zip(self.parameters.names, self.parameters.shapes) if name in OWN}
         self.shapes |= {"gains": (nv, 2 * nv), "q_ref": (nq,), "qd_ref": (nv,)}
         self.shapes |= {"q_goal": (nq,), "qd_goal": (nv,), "state_weights": (2 * nv,), "control_weights": (nv,)}
@@ -311,6 +310,13 @@ class RolloutSignature:
         if found is None:
             found = kept[at] = ArrayFunction(self.robot, self.step, extras=Extras(feedback, cost))
         return found
+
+
+def unchanging(ground: HeightField | None) -> HeightField | None:
+    """Returns the ground with heights of its own, so that a step and its derivatives have the same ones."""
+    if not isinstance(ground, HeightField):
+        return ground
+    return dataclasses.replace(ground, heights=np.array(ground.heights, float))
 
 
 def motions(results: Sequence[Any]) -> Any:

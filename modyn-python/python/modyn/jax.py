@@ -33,7 +33,7 @@ from jax.extend.core import Primitive
 from jax.interpreters import ad, batching, mlir
 
 from . import _modyn
-from ._arrays import ArrayFunction, Rollout, RolloutGradient, RolloutSignature, Signature, documented, motions
+from ._arrays import ArrayFunction, Rollout, RolloutGradient, RolloutSignature, Signature, documented, motions, unchanging
 from ._modyn import Robot
 from ._results import ActuatedStep, StepSolution
 from ._types import HeightField, QuadraticCost, RolloutCosts, RolloutStates, StepSettings
@@ -75,7 +75,7 @@ def rollout(
     With `step="step"`, `settings` and `warm_start` are arguments, `ground` is a `HeightField`, and there are only first derivatives. With
     `step="actuated"` the controls are those of the actuators, `act` and `applied` are further arguments, and there is no feedback.
     """
-    signature = RolloutSignature(robot, step, ground)
+    signature = RolloutSignature(robot, step, unchanging(ground))
     dtype = np.dtype(robot.dtype)
 
     def call(
@@ -168,6 +168,9 @@ jax.ffi.register_ffi_target("modyn", jax.ffi.pycapsule(_HANDLER), platform="cpu"
 if hasattr(jax.ffi, "register_ffi_target_as_batch_partitionable"):
     jax.ffi.register_ffi_target_as_batch_partitionable("modyn")
 
+# The code that programs call, by its keys. XLA runs programs later than Python calls them, and says of none that it has ended.
+_kept: dict[int, Any] = {}
+
 # A call of an `ArrayFunction`, the parameter `code`. Derivatives of a call are calls of its derivatives: a change is one of mode
 # `forward`, which is linear in the changes of its variables, and whose transpose is one of mode `reverse`.
 _call = Primitive("modyn")
@@ -186,21 +189,19 @@ def _abstract(*arrays: Any, code: Any) -> list[Any]:
 
 def _eager(primitive: Primitive) -> Callable[..., Any]:
     """Returns the primitive on numbers: compiled once for each code."""
+    compiled: dict[Any, Any] = {}
 
     def call(*arrays: Any, code: Any, **more: Any) -> Any:
-        at = (primitive, *more.values())
-        if at not in code.compiled:
-            code.compiled[at] = jax.jit(lambda *arrays: primitive.bind(*arrays, code=code, **more))
-        return code.compiled[at](*arrays)
+        at = (code, *more.values())
+        if at not in compiled:
+            compiled[at] = jax.jit(lambda *arrays: primitive.bind(*arrays, code=code, **more))
+        return compiled[at](*arrays)
 
     return call
 
 
 def _lowered(context: Any, *operands: Any, code: Any) -> Any:
-    module = context.module_context
-    if not module.lowering_parameters.for_export:
-        # The program keeps the code that it calls. An exported program can keep nothing.
-        module.add_keepalive(code.handle)
+    _kept[code.key] = code.handle
     return jax.ffi.ffi_lowering("modyn")(context, *operands, function=np.int64(code.key))
 
 

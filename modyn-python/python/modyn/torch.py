@@ -23,7 +23,7 @@ except ImportError as error:
     raise ImportError("`modyn.torch` needs PyTorch: pip install modyn[torch]") from error
 import numpy as np
 
-from ._arrays import ArrayFunction, Rollout, RolloutSignature, Signature, documented, motions
+from ._arrays import ArrayFunction, Rollout, RolloutSignature, Signature, documented, motions, unchanging
 from ._modyn import Robot
 from ._results import ActuatedStep, StepSolution
 from ._types import HeightField, QuadraticCost, RolloutCosts, RolloutStates, StepSettings
@@ -67,7 +67,7 @@ def rollout(
     With `step="step"`, `settings` and `warm_start` are arguments, and `ground` is a `HeightField`. With `step="actuated"` the controls
     are those of the actuators, `act` and `applied` are further arguments, and there is no feedback.
     """
-    signature = RolloutSignature(robot, step, ground)
+    signature = RolloutSignature(robot, step, unchanging(ground))
     dtype = _dtype(robot)
 
     @torch.compiler.assume_constant_result

@@ -6,8 +6,8 @@
 //!                                                             └─ codes/handle.rs: arrays of NumPy
 //! ```
 //!
-//! Code lives as long as a [`CodeHandle`] does. The robot has one, functions of Python have one, and so have
-//! the compiled programs of XLA, which keep the functions that they call.
+//! Code lives as long as a [`CodeHandle`] does. The robot has one, functions of Python have one, and
+//! `modyn.jax` keeps the handles of the code that programs of XLA call.
 
 mod field;
 mod interface;
