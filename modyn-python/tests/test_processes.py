@@ -235,10 +235,10 @@ def long_calls():
     evaluated = modyn.load(ROBOTS / "quadruped.urdf", base="floating", friction="none", machine_code=False)
     n, still = robot.nv, np.zeros(robot.nv)
     q, many = robot.neutral(), np.tile(robot.neutral(), (60_000, 1))
-    controls, weights = np.zeros((200_000, n)), (np.zeros((200_000, robot.nq)), np.zeros((200_000, n)))
-    few = np.zeros((60, 20_000, n))
+    controls, weights = np.zeros((400_000, n)), (np.zeros((400_000, robot.nq)), np.zeros((400_000, n)))
+    few, long = np.zeros((60, 60_000, n)), np.zeros((2_000_000, n))
     return {
-        "a motion on the ground": lambda: robot.rollout(q, still, controls, 1e-3, step="step", trajectory=False),
+        "a motion on the ground": lambda: robot.rollout(q, still, long, 1e-3, step="step", trajectory=False),
         "a free motion": lambda: robot.rollout(q, still, np.zeros((3_000_000, n)), 1e-3, trajectory=False),
         "the gradient of a motion": lambda: robot.rollout_vjp(q, still, controls, 1e-3, *weights),
         "many motions": lambda: robot.rollout(q, still, few, 1e-3, step="step", trajectory=False),
