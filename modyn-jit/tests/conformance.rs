@@ -240,7 +240,7 @@ mod objects {
 
         /// The factors of the mass matrix are a type of Rust, and the loops of a solver have no form in object files.
         fn has(&self, planned: &Planned) -> bool {
-            ![Some(Function::Brge), Some(Function::Step)].contains(&planned.function)
+            planned.function.is_none_or(|f| f != Function::Brge && !f.row().has_solver)
         }
 
         fn takes_parameters(&self) -> bool {

@@ -193,7 +193,7 @@ impl Printer {
         }
         let functions: Vec<Function> = plan.functions.iter().filter_map(|f| f.function).collect();
         self.header += &indices(model, &functions, &self.prefix);
-        if functions.contains(&Function::Step) {
+        if functions.iter().any(|function| function.row().has_solver) {
             self.default_step_settings(model, upper);
         }
         if plan.parameters.is_empty() {
