@@ -7,8 +7,8 @@ use super::functions::CForm;
 use super::{Argument, Function, Record, Shape};
 use crate::program::{InvalidProgram, Program};
 
-/// The arguments of time steps that a plan has for each step, the first one of a step's arguments,
-/// and what they are.
+/// The arguments of time steps that a rollout has numbers of for each step, each with the noun of its
+/// numbers. The first of these among a step's arguments is the plan of the rollout.
 pub const PLANNED: [(&str, &str); 2] = [("ctrl", "controls"), ("tau", "joint forces")];
 
 /// The arguments of time steps that are results of the step before. In results they follow q and qd,

@@ -236,8 +236,8 @@ class CodeHandle:
     def outputs(self) -> list[tuple[int, ...]]:
         """The shapes of the arrays of results, for one state."""
     def call(self, arrays: Sequence[Array]) -> list[Array]:
-        """Calls the code on arrays in C order, whose leading axes are those of states and are broadcast. Returns an array for each
-        result, with the same leading axes."""
+        """Calls the code on arrays in C order. Leading axes are axes of states, and are broadcast. Returns an array for each result,
+        with the same leading axes."""
     def rollout(
         self,
         steps: int,

@@ -20,7 +20,8 @@ use crate::memory::zeros;
 use crate::number::Number;
 use crate::pool::StartedThreads;
 
-/// What code is: a hash of all that it follows from, the same in each process.
+/// The identity of code: a hash of all numbers and texts that the code follows from, the same in each
+/// process.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Identity([u64; 2]);
 
@@ -86,7 +87,7 @@ impl CodeHandle {
     ///
     /// # Errors
     ///
-    /// Those of `make`.
+    /// The errors of `make`.
     pub fn new(identity: Identity, make: impl FnOnce() -> PyResult<AnyCode>) -> PyResult<Self> {
         let (key, known) =
             place(&registry().read().unwrap_or_else(PoisonError::into_inner), identity);
@@ -142,8 +143,8 @@ impl CodeHandle {
         tuples(py, self.shapes().outputs())
     }
 
-    /// Calls the code on arrays in C order, whose leading axes are those of states and are
-    /// broadcast. Returns an array for each result, with the same leading axes.
+    /// Calls the code on arrays in C order. Leading axes are axes of states, and are broadcast.
+    /// Returns an array for each result, with the same leading axes.
     fn call<'py>(
         &self,
         py: Python<'py>,
@@ -313,7 +314,12 @@ fn called<'py, S: Number>(
     let given = arrays.iter().map(read).collect::<PyResult<Vec<_>>>()?;
     let mut axes = Vec::with_capacity(given.len());
     let mut numbers: Vec<Numbers<'_, S>> = Vec::with_capacity(given.len());
-    for (array, shape) in given.iter().zip(code.shapes().inputs()) {
+    let inputs = code.shapes().inputs();
+    if given.len() != inputs.len() {
+        let counts = format!("{} arrays; expected {}", given.len(), inputs.len());
+        return Err(wrong(format!("modyn: a function got {counts}")));
+    }
+    for (array, shape) in given.iter().zip(inputs) {
         axes.push(leading(array.shape(), shape).map_err(wrong)?);
         numbers.push(array.as_slice()?.into());
     }

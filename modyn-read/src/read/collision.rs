@@ -57,7 +57,7 @@ pub struct Collisions {
     rough: Vec<Place>,
 }
 
-/// The corners of a hull, or what is wrong with the mesh.
+/// The corners of a hull, or the fault of the mesh, as the end of a sentence about it.
 type Corners = Result<Rc<[[f64; 3]]>, &'static str>;
 
 impl Collisions {

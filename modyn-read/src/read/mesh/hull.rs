@@ -11,7 +11,7 @@ const MAX_CORNERS: usize = 16;
 ///
 /// # Errors
 ///
-/// Returns what is wrong with the mesh, as the end of a sentence about it.
+/// Returns the fault of the mesh, as the end of a sentence about it.
 pub fn corners(vertices: &[[f64; 3]]) -> Result<Vec<[f64; 3]>, &'static str> {
     let mut indices: Vec<usize> = hull(vertices)?.into_iter().flatten().collect();
     indices.sort_unstable();

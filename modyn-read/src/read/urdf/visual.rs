@@ -31,7 +31,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
         shapes
     }
 
-    /// Returns a geometry, or what is wrong with it, as the end of a sentence about it.
+    /// Returns a geometry, or its fault, as the end of a sentence about it.
     pub fn geometry(&mut self, geometry: Node<'a, '_>) -> Result<Geometry, String> {
         let kind = geometry.tag_name().name();
         if kind != "mesh" {
