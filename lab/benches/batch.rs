@@ -8,6 +8,8 @@
 #[path = "../../tests/src/plain.rs"]
 mod plain;
 
+mod numbers;
+
 use std::array::from_fn;
 use std::hint::black_box;
 use std::time::{Duration, Instant};
@@ -35,14 +37,10 @@ modyn::modyn! { Humanoid = "../../robots/humanoid.urdf", functions = [
 /// The number of states of a call. Columns at this distance do not share cache sets.
 const STATES: usize = 1000;
 
-/// Returns numbers of at most this magnitude, the same on every machine: a linear congruential generator.
+/// Returns numbers of at most this magnitude, the same on every machine.
 fn numbers<T: modyn::Scalar, const N: usize>(size: f64) -> Vec<[T; N]> {
-    let mut seed = 1u64;
-    let mut next = || {
-        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        T::from_f64(size * ((seed >> 11) as f64 / (1u64 << 52) as f64 - 1.0))
-    };
-    (0..STATES).map(|_| from_fn(|_| next())).collect()
+    let mut number = numbers::numbers();
+    (0..STATES).map(|_| from_fn(|_| T::from_f64(size * number()))).collect()
 }
 
 /// Returns one column for each number of a state, one after the other.

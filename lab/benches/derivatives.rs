@@ -3,12 +3,15 @@
 //!
 //! `cargo bench --manifest-path lab/Cargo.toml --bench derivatives`
 
+mod numbers;
+
 use std::hint::black_box;
 use std::time::Duration;
 
 use criterion::Criterion;
 use modyn::num_dual::{Derivative, DualSVec64};
 use modyn::{Array, ForwardDerivatives, Interpreter, Robot};
+use numbers::numbers;
 
 modyn::modyn! {
     "../../robots/arm7.urdf",
@@ -25,16 +28,6 @@ modyn::modyn! {
 }
 
 const STATES: usize = 64;
-
-/// Returns numbers in -1..1, the same on every machine: a linear congruential generator.
-fn numbers() -> impl FnMut() -> f64 {
-    let mut state = 1u64;
-    move || {
-        state =
-            state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-    }
-}
 
 macro_rules! robot {
     ($criterion:ident, $Robot:ident, $file:literal) => {{

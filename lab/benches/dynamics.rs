@@ -4,12 +4,15 @@
 //! `cargo bench --manifest-path lab/Cargo.toml --bench dynamics`; with `RUSTFLAGS="-C target-cpu=native"` for this
 //! machine's instructions.
 
+mod numbers;
+
 use std::hint::black_box;
 use std::time::Duration;
 
 use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, Criterion};
 use modyn::{Interpreter, Robot};
+use numbers::numbers;
 
 modyn::modyn!("../../robots/gripper.urdf");
 modyn::modyn!("../../robots/arm6.urdf");
@@ -19,16 +22,6 @@ modyn::modyn!("../../robots/humanoid.urdf");
 
 /// The number of states of a benchmark, which are used in turn.
 const STATES: usize = 64;
-
-/// Returns numbers in -1..1, the same on every machine: a linear congruential generator.
-fn numbers() -> impl FnMut() -> f64 {
-    let mut state = 1u64;
-    move || {
-        state =
-            state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-    }
-}
 
 /// Measures `f` on one state after the other.
 fn time<const N: usize, R>(

@@ -3,6 +3,8 @@
 //!
 //! `RUSTFLAGS="-C target-cpu=native" cargo bench --manifest-path lab/Cargo.toml --bench steps`
 
+mod numbers;
+
 use std::time::Instant;
 
 use modyn::simulate::State;
@@ -10,6 +12,8 @@ use modyn::{
     Array, ConstraintSettings, ContactSet, ContactSurface, ContactTarget, Robot, StepSettings,
     functions,
 };
+
+use numbers::numbers;
 
 modyn::modyn!(
     "../../robots/quadruped.urdf",
@@ -51,15 +55,11 @@ struct Start<R: Robot> {
     tau: R::V<f64>,
 }
 
-/// Returns random numbers with about the normal distribution, the same on every machine.
+/// Returns numbers with about the normal distribution.
 fn normals() -> impl FnMut() -> f64 {
-    let mut state = 1_u64;
-    let mut uniform = move || {
-        state =
-            state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (state >> 11) as f64 / (1_u64 << 53) as f64
-    };
-    move || (0..12).map(|_| uniform()).sum::<f64>() - 6.0
+    let mut uniform = numbers();
+    // The variance of a number in -1..1 is a third.
+    move || uniform() + uniform() + uniform()
 }
 
 /// Returns the height of the lowest place that can touch the ground.
@@ -74,7 +74,7 @@ fn lowest<R: Robot + functions::LinkPoses>(q: &R::Q<f64>) -> f64 {
 }
 
 /// Returns the motions of a kind from a posture, which gives each joint's angle by its name.
-fn starts<R>(kind: &str, posture: fn(&str) -> f64) -> Vec<Start<R>>
+fn starts<R>(kind: &str, posture: &dyn Fn(&str) -> f64) -> Vec<Start<R>>
 where
     R: Robot + functions::LinkPoses + functions::ConstrainedInverseDynamics,
 {
@@ -108,8 +108,13 @@ where
     (0..MOTIONS).map(start).collect()
 }
 
+/// Returns the angle of a joint whose name ends with one of these; zero for other joints.
+fn angle(joint: &str, bends: &[(&str, f64)]) -> f64 {
+    bends.iter().find(|(name, _)| joint.ends_with(name)).map_or(0.0, |(_, angle)| *angle)
+}
+
 /// Prints the times of a robot's motions.
-fn measure<R>(name: &str, posture: fn(&str) -> f64)
+fn measure<R>(name: &str, posture: &dyn Fn(&str) -> f64)
 where
     R: Robot + functions::LinkPoses + functions::ConstrainedInverseDynamics + functions::Step,
 {
@@ -144,18 +149,11 @@ where
 
 fn main() {
     println!("| robot | motion | us a step | iterations | unsolved |\n|---|---|---|---|---|");
-    measure::<Quadruped>("quadruped, four feet", |joint| {
+    measure::<Quadruped>("quadruped, four feet", &|joint| {
         let front = if joint.starts_with("front") { 1.0 } else { -1.0 };
-        match joint {
-            _ if joint.contains("thigh") || joint.contains("hip_pitch") => 0.6 * front,
-            _ if joint.contains("knee") || joint.contains("calf") => -1.2 * front,
-            _ => 0.0,
-        }
+        let bends = [("hip_pitch", 0.6 * front), ("knee", -1.2 * front)];
+        angle(joint, &bends)
     });
-    measure::<Humanoid>("humanoid, eight points", |joint| match joint {
-        _ if joint.contains("hip_pitch") => -0.2,
-        _ if joint.contains("knee") => 0.42,
-        _ if joint.contains("ankle_pitch") => -0.22,
-        _ => 0.0,
-    });
+    let bends = [("hip_pitch", -0.2), ("knee", 0.42), ("ankle_pitch", -0.22)];
+    measure::<Humanoid>("humanoid, eight points", &|joint| angle(joint, &bends));
 }

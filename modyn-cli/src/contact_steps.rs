@@ -91,16 +91,16 @@ pub struct ContactSteps {
     /// The accelerations of the last step, from which the solver starts.
     qdd: Vec<f64>,
     /// The actuators; `None` if none acts.
-    servos: Option<Servos>,
+    actuators: Option<Actuators>,
 }
 
 /// The actuators of a scene, whose controls are zero, as MuJoCo starts.
-struct Servos {
+struct Actuators {
     ctrl: Vec<f64>,
     act: Vec<f64>,
 }
 
-impl Servos {
+impl Actuators {
     /// Returns the actuators of a model on the ground of its description; `None` if it has none.
     fn of(model: &Model, options: Options) -> Option<Self> {
         let [controls, activations] = [model.control_names().len(), model.activation_names().len()];
@@ -189,8 +189,8 @@ impl ContactSteps {
         };
         let joints = 0..if options.limits == Limits::Act { model.links().len() } else { 0 };
         let efforts = joints.filter_map(effort).collect();
-        let servos = Servos::of(model, options);
-        Self { interpreter, settings, efforts, qdd: vec![0.0; model.nv()], servos }
+        let actuators = Actuators::of(model, options);
+        Self { interpreter, settings, efforts, qdd: vec![0.0; model.nv()], actuators }
     }
 
     /// Reduces joint forces to the effort limits.
@@ -207,7 +207,7 @@ impl ContactSteps {
     /// If a length is not the model's.
     pub fn step(&mut self, input: TimeStepInput<'_, f64>) -> Result<Step, ShapeError> {
         let TimeStepInput { q, qd, tau, dt } = input;
-        let Self { interpreter, settings, qdd, servos, .. } = self;
+        let Self { interpreter, settings, qdd, actuators, .. } = self;
         let points = interpreter.touching_points(q, settings)?;
         let mut forces = vec![0.0; 3 * points.len()];
         let mut step = Step {
@@ -226,21 +226,21 @@ impl ContactSteps {
             residual: &mut step.residual,
             iterations: &mut 0.0,
         };
-        match servos {
+        match actuators {
             None => {
                 let input = StepInput { q, qd, tau, warm_start: qdd, dt };
                 interpreter.step(input, settings, outputs)?;
             }
-            Some(Servos { ctrl, act }) => {
-                let mut forces_of_servos = vec![0.0; qd.len()];
-                let mut next_act = act.clone();
+            Some(Actuators { ctrl, act }) => {
                 let actuators = ActuatorInput { q, qd, ctrl, act, dt };
-                let actuated = ActuatorOutputs { tau: &mut forces_of_servos, act: &mut next_act };
+                let mut next_act = act.clone();
+                let mut actuator_forces = vec![0.0; qd.len()];
+                let actuated = ActuatorOutputs { tau: &mut actuator_forces, act: &mut next_act };
                 interpreter.actuate(actuators, actuated)?;
                 let input = ActuatedInput { actuators, applied: tau, warm_start: qdd };
                 interpreter.step_actuated(input, settings, outputs, &mut next_act)?;
                 *act = next_act;
-                step.tau.iter_mut().zip(forces_of_servos).for_each(|(tau, force)| *tau += force);
+                step.tau.iter_mut().zip(actuator_forces).for_each(|(tau, force)| *tau += force);
             }
         }
         qdd.copy_from_slice(&step.qdd);

@@ -220,7 +220,8 @@ fn feet_stay_above_the_ground_and_impacts_take_energy() {
         let start = ["simulate", "robots/quadruped.urdf", "--base", "floating", "--q", q];
         modyn(&[&start[..], &FEET, &["--time", "0.4", "--step", "0.0005"], more].concat())
     };
-    let (free, found) = (run(&[]), run(&["--ground", "plane(friction = 0.8)"]));
+    let free = run(&[]);
+    let found = run(&["--ground", "plane(friction = 0.8)"]);
     assert_eq!((free.code, found.code), (0, 0), "{}{}", free.err, found.err);
     let (head, rows) = table(&found.out);
     let [height, dissipated] = ["floating_base.z (m)", "dissipated (J)"].map(|n| column(&head, n));
@@ -258,12 +259,12 @@ fn a_floating_robot_starts_on_the_ground() {
     let depth = |more: &[&str]| {
         let ground = ["--ground", "plane"];
         let start = ["simulate", "robots/quadruped.urdf", "--base", "floating"];
-        let found = modyn(
+        let motion = modyn(
             &[&start[..], &ground, &FEET, &["--time", "1e-6", "--step", "1e-6"], more].concat(),
         );
-        assert_eq!(found.code, 0, "{}", found.err);
-        let (head, rows) = table(&found.out);
-        let depth = found.err.split("deepest contact is ").nth(1).expect("a depth");
+        assert_eq!(motion.code, 0, "{}", motion.err);
+        let (head, rows) = table(&motion.out);
+        let depth = motion.err.split("deepest contact is ").nth(1).expect("a depth");
         let depth: f64 = depth.split(' ').next().expect("a number").parse().expect("a number");
         (rows[0][column(&head, "floating_base.z (m)")], depth)
     };

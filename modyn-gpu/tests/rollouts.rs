@@ -77,7 +77,7 @@ fn compare(
     let gpu = Gpu::new().expect("a processor: Mesa has one in software");
     let rollout = Rollout::new(&gpu, builder, options).expect("kernels");
     let source = rollout.source();
-    let (nq, nv, nu) = (source.nq, source.nv, source.rollouts[0].controls);
+    let [nq, nv, nu] = [source.nq, source.nv, source.rollouts[0].controls];
     let mut interpreter = Interpreter::<f64>::new(builder.generate().expect("good").model);
     let mut random = numbers(starts * (nq + nv) + ROLLOUTS * STEPS * nu + 997).into_iter();
     let mut vector = |n: usize| random.by_ref().take(n).collect::<Vec<f64>>();

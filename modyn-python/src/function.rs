@@ -6,7 +6,7 @@ use modyn_codegen::plan::{Argument, ArgumentKind, Planned};
 use modyn_codegen::{FloatType, Function, Planning};
 use modyn_jit::{Call, Compiled, Options, ParameterError};
 use modyn_runtime::model::Model;
-use modyn_runtime::{ContactSurface, Inertial, Interpreter, StepSettings};
+use modyn_runtime::{Inertial, Interpreter};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyFloat, PyList, PyTuple};
@@ -549,11 +549,9 @@ pub fn has_zeros(argument: &str) -> bool {
 
 /// Returns the settings of steps by the description, in the order of `StepSettings`.
 pub fn default_step_settings<S: Number>(model: &Model) -> Vec<S> {
-    let settings = model.step_settings();
-    let StepSettings { tolerance, impratio, .. } = S::STEP_SETTINGS;
-    let impratio = model.soft_constraints().impratio.map_or(impratio, S::from_f64);
-    let surfaces = settings.contacts.iter().flat_map(ContactSurface::numbers).map(S::from_f64);
-    [tolerance, impratio].into_iter().chain(surfaces).collect()
+    let mut settings = model.step_settings();
+    settings.tolerance = S::STEP_SETTINGS.tolerance.into();
+    settings.all_numbers().into_iter().map(S::from_f64).collect()
 }
 
 fn evaluated<S: Number>(planning: Planning) -> Option<Evaluated<S>> {

@@ -256,7 +256,17 @@ def test_a_robot_is_freed_with_its_code():
     ground = modyn.HeightField(np.zeros((2, 2)), (-5, -5), (10, 10))
     for field in (None, ground):
         own.rollout(own.neutral(), np.zeros(own.nv), np.zeros((3, own.nv)), 1e-3, step="step", ground=field)
-    kept = weakref.ref(own._kept[("step", False, False)].handle), weakref.ref(own)
+    kept = weakref.ref(next(code for code in own._kept.values() if hasattr(code, "handle")).handle), weakref.ref(own)
     del own
     gc.collect()
     assert [one() for one in kept] == [None, None]
+
+
+def test_surplus_arrays_are_refused():
+    own = robot()
+    code = own._array_code("kinetic_energy", None, [])
+    q, qd = own.neutral(), np.ones(own.nv)
+    close(code.call([q, qd])[0], own.kinetic_energy(q, qd), 1e-12)
+    for arrays in ([q], [q, qd, qd]):
+        with pytest.raises(ValueError, match=f"{len(arrays)} arrays; expected 2"):
+            code.call(arrays)

@@ -262,27 +262,25 @@ fn steps_under_controls_are_those_of_mujoco() {
             let dt = vec![number(&file["step"])];
             let zeros = vec![0.0; model.nv()];
             let given = [q, qd, ctrl, dt, act, applied, zeros, tight_settings(model)];
-            let found = interpreted(&mut robot, Function::StepActuated, &given);
+            let results = interpreted(&mut robot, Function::StepActuated, &given);
             let expected = ["next_q", "next_qd", "next_act"].map(|name| numbers(&state[name]));
-            compare(&format!("{k}: {state}"), &found, &expected);
+            compare(&format!("{k}: {state}"), &results, &expected);
         }
     }
 }
 
 /// Returns the settings of a step by the description, with a small tolerance.
 fn tight_settings(model: &Model) -> Vec<f64> {
-    let settings = StepSettings { tolerance: 1e-13, ..model.step_settings() };
-    let surfaces = settings.contacts.iter().flat_map(ContactSurface::numbers);
-    settings.numbers().into_iter().chain(surfaces).collect()
+    StepSettings { tolerance: 1e-13, ..model.step_settings() }.all_numbers()
 }
 
 /// Compares the first results of a step with the expected ones, of which the second are the
 /// velocities.
-fn compare(what: &str, found: &[f64], expected: &[Vec<f64>]) {
+fn compare(state: &str, results: &[f64], expected: &[Vec<f64>]) {
     let largest = expected[1].iter().fold(1.0, |most: f64, x| most.max(x.abs()));
-    for (found, expected) in found.iter().zip(expected.concat()) {
-        let error = (found - expected).abs() / largest;
-        assert!(error <= TOLERANCE, "{what}: {found} {expected}, {error:e}");
+    for (result, expected) in results.iter().zip(expected.concat()) {
+        let error = (result - expected).abs() / largest;
+        assert!(error <= TOLERANCE, "{state}: {result} {expected}, {error:e}");
     }
 }
 
@@ -446,10 +444,10 @@ fn contacts_take_energy() {
         let hold = |k: usize| if k < 6 { 0.0 } else { -20.0 * q[k + 1] - 0.2 * qd[k] };
         let tau = (0..nv).map(hold).collect();
         let given = [q, qd, tau, vec![0.002], warm_start, settings.clone()];
-        let found = interpreted(&mut robot, Function::Step, &given);
-        q = found[..nq].to_vec();
-        qd = found[nq..nq + nv].to_vec();
-        warm_start = found[nq + nv..nq + 2 * nv].to_vec();
+        let results = interpreted(&mut robot, Function::Step, &given);
+        q = results[..nq].to_vec();
+        qd = results[nq..nq + nv].to_vec();
+        warm_start = results[nq + nv..nq + 2 * nv].to_vec();
         most = most.max(energy(&mut robot, &q, &qd));
     }
     let last = energy(&mut robot, &q, &qd);

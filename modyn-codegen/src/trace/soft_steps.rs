@@ -151,7 +151,8 @@ impl Drive<'_> {
             Self::Forces => {
                 let [tau, dt, warm_start] = [nv, 1, nv].map(take);
                 let dampers = DampingMatrix::zero(nv);
-                let [next_act, settings] = [vec![], rest.to_vec()];
+                let settings = rest.to_vec();
+                let next_act = Vec::new();
                 StepArguments { q, qd, dt: dt[0], tau, dampers, next_act, warm_start, settings }
             }
             Self::Actuators(model) => {

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::process::Command;
 
 use modyn_codegen::{Base, Builder, CodeForm, Contact, ContactKind, Function, LoopEnd, Target};
-use modyn_runtime::{ContactSurface, ContactTarget};
+use modyn_runtime::ContactTarget;
 
 use crate::conformance::c::{STRICT, write};
 use crate::conformance::{command, contact, folder, robot};
@@ -93,10 +93,9 @@ fn numbers_have_names() {
     target.velocity.linear.0[0] = 2.0;
     target.compliance = 3.0;
     target.weight = 4.0;
-    let surfaces = settings.contacts.iter().flat_map(ContactSurface::numbers);
     let link = model.frame_index("front_left_foot").expect("a link") as f64;
-    let mut expected = vec![settings.tolerance, settings.impratio];
-    expected.extend(surfaces.chain(target.numbers()));
+    let mut expected = settings.all_numbers();
+    expected.extend(target.numbers());
     expected.push(place(&model.coordinate_names(), "front_left_knee"));
     expected.push(place(&model.velocity_names(), "front_left_knee"));
     expected.push(link);

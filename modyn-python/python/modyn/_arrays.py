@@ -179,7 +179,7 @@ class RolloutGradient(Code):
 FIRST = "a rollout in one call has first derivatives in reverse mode; for others, differentiate a loop over the function of its step"
 
 STATE = ("q", "qd", "act", "warm_start")
-"""the arguments of a time step that are results of the step before, in the order of these: `warm_start` is the result `qdd`"""
+"""the arguments of a time step that are results of the step before, in the order of the results: `warm_start` is the result `qdd`"""
 
 OWN = ("act", "applied", "warm_start", "settings")
 """the arguments of a time step with a solver beside the state, the forces or the controls, and the time"""
@@ -203,7 +203,8 @@ class RolloutSignature:
             raise TypeError(f"`ground` must be a `modyn.HeightField`, not {type(ground).__name__}")
         self.robot, self.step, self.ground = robot, step if step == "step" else f"step_{step}", ground
         self.parameters = Signature.of(robot, self.step)
-        self.solves, self.is_actuated = ("warm_start" in self.parameters.names), ("ctrl" in self.parameters.names)
+        self.solves = "warm_start" in self.parameters.names
+        self.is_actuated = "ctrl" in self.parameters.names
         nq, nv = robot.nq, robot.nv
         self.shapes: dict[str, Shape] = {"q": (nq,), "qd": (nv,), "cost": (), "controls": (nv,), "dt": ()}
         """the shapes of the arguments for one state, in their order"""
@@ -218,7 +219,7 @@ class RolloutSignature:
         """Returns the signature, which the robot keeps unless it has a ground or run-time parameters."""
         if ground is not None:
             return cls(robot, step, ground)
-        at = ("rollout", step)
+        at = (cls, step)
         found: RolloutSignature | None = robot._kept.get(at)
         if found is None:
             found = cls(robot, step)
@@ -305,7 +306,7 @@ class RolloutSignature:
         """Returns the function of one step, which the robot keeps unless it has a ground."""
         if self.ground is not None:
             return ArrayFunction(self.robot, self.step, extras=Extras(feedback, cost, self.ground))
-        kept, at = self.robot._kept, (self.step, feedback, cost)
+        kept, at = self.robot._kept, (ArrayFunction, self.step, feedback, cost)
         found: ArrayFunction | None = kept.get(at)
         if found is None:
             found = kept[at] = ArrayFunction(self.robot, self.step, extras=Extras(feedback, cost))
@@ -355,11 +356,12 @@ class Signature:
     @classmethod
     def of(cls, robot: Robot, name: str, link: str | int | None = None) -> Signature:
         """Returns the signature, which the robot keeps unless it has run-time parameters."""
-        found: Signature | None = robot._kept.get((name, link))
+        at = (cls, name, link)
+        found: Signature | None = robot._kept.get(at)
         if found is None:
             found = cls(robot, name, link)
             if not found.parameters:
-                robot._kept[name, link] = found
+                robot._kept[at] = found
         return found
 
     @functools.cached_property

@@ -10,11 +10,11 @@ use pyo3::exceptions::{PyMemoryError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyList, PyTuple};
 
-use super::AnyCode;
 use super::code::ArrayCode;
 use super::kernel::ArrayShapes;
 use super::rollout::{Reverse, Rollout};
 use super::states::{Broadcast, Fault, Numbers, common};
+use super::{AnyCode, CodeNumber};
 use crate::arrays::in_order;
 use crate::memory::zeros;
 use crate::number::Number;
@@ -172,22 +172,8 @@ impl CodeHandle {
         let identity = Identity::of((self.identity, steps, trajectory, &roles, of_reverse));
         let reverse = reverse.as_ref().map(|(step, variables)| (step.code(), variables.clone()));
         Self::new(identity, || match &*self.code {
-            AnyCode::F64(step) => {
-                let reverse = reverse.map(|(code, variables)| match code {
-                    AnyCode::F64(step) => Ok((step, variables)),
-                    AnyCode::F32(_) => Err(no_step()),
-                });
-                let rollout = rolled_out(step, steps, trajectory, &roles, reverse.transpose()?)?;
-                Ok(AnyCode::F64(ArrayCode::Rollout(Box::new(rollout))))
-            }
-            AnyCode::F32(step) => {
-                let reverse = reverse.map(|(code, variables)| match code {
-                    AnyCode::F32(step) => Ok((step, variables)),
-                    AnyCode::F64(_) => Err(no_step()),
-                });
-                let rollout = rolled_out(step, steps, trajectory, &roles, reverse.transpose()?)?;
-                Ok(AnyCode::F32(ArrayCode::Rollout(Box::new(rollout))))
-            }
+            AnyCode::F64(step) => rolled_out(step, steps, trajectory, &roles, reverse),
+            AnyCode::F32(step) => rolled_out(step, steps, trajectory, &roles, reverse),
         })
     }
 }
@@ -222,22 +208,26 @@ pub fn no_step() -> PyErr {
     PyValueError::new_err("this is no time step with products of it")
 }
 
-/// Returns the rollout of a step with the shapes of its arrays.
-fn rolled_out<S: Number>(
+/// Returns the code of the rollout of a step.
+fn rolled_out<S: CodeNumber>(
     step: &ArrayCode<S>,
     steps: usize,
     trajectory: bool,
     roles: &Roles,
-    reverse: Option<(&ArrayCode<S>, Vec<usize>)>,
-) -> PyResult<Rollout<S>> {
+    reverse: Option<(&AnyCode, Vec<usize>)>,
+) -> PyResult<AnyCode> {
     let function = |code: &ArrayCode<S>| match code {
         ArrayCode::Function(function) => Ok(Arc::clone(function)),
         ArrayCode::Rollout(..) => Err(no_step()),
     };
     let step = function(step)?;
-    let reverse = reverse
-        .map(|(step, variables)| function(step).map(|step| Reverse { step, variables }))
-        .transpose()?;
+    let reverse = match reverse {
+        None => None,
+        Some((code, variables)) => {
+            let step = function(S::code(code).ok_or_else(no_step)?)?;
+            Some(Reverse { step, variables })
+        }
+    };
     let shapes = step.shapes().clone();
     let given = shapes.inputs();
     let results = shapes.outputs();
@@ -269,7 +259,7 @@ fn rolled_out<S: Number>(
         inputs.extend(std::mem::replace(&mut outputs, gradients));
     }
     let checks = shapes.checks().to_vec();
-    Ok(Rollout {
+    let rollout = Rollout {
         step,
         state: state.clone(),
         start: *start,
@@ -278,7 +268,8 @@ fn rolled_out<S: Number>(
         trajectory,
         reverse,
         shapes: ArrayShapes::new(inputs, outputs).with_checks(checks),
-    })
+    };
+    Ok(S::any(ArrayCode::Rollout(Box::new(rollout))))
 }
 
 /// Returns the message that no function has this key.

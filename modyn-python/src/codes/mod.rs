@@ -10,6 +10,8 @@ use std::sync::Arc;
 
 use modyn_codegen::{FloatType, Planning};
 
+use crate::number::Number;
+
 pub use code::ArrayCode;
 pub use handle::{CodeHandle, Identity, find, leading, missing, no_step};
 pub use kernel::{ArrayShapes, Kernel, OwnCode, OwnKernel, StateFunction};
@@ -21,6 +23,34 @@ pub enum AnyCode {
     F32(ArrayCode<f32>),
 }
 
+/// Numbers that code computes with: a variant of [`AnyCode`].
+pub trait CodeNumber: Number {
+    /// Returns the code for these numbers; `None` if the code is for others.
+    fn code(any: &AnyCode) -> Option<&ArrayCode<Self>>;
+
+    /// Returns code for these numbers as code for either scalar.
+    fn any(code: ArrayCode<Self>) -> AnyCode;
+}
+
+macro_rules! code_numbers {
+    ($($number:ident $variant:ident)*) => {$(
+        impl CodeNumber for $number {
+            fn code(any: &AnyCode) -> Option<&ArrayCode<Self>> {
+                match any {
+                    AnyCode::$variant(code) => Some(code),
+                    _ => None,
+                }
+            }
+
+            fn any(code: ArrayCode<Self>) -> AnyCode {
+                AnyCode::$variant(code)
+            }
+        }
+    )*};
+}
+
+code_numbers! { f64 F64 f32 F32 }
+
 impl AnyCode {
     /// Returns the only function of a planning, and the reason why there is no machine code, if it
     /// was wanted.
@@ -30,15 +60,17 @@ impl AnyCode {
         scalar: FloatType,
         machine: bool,
     ) -> Option<(Self, Option<String>)> {
-        Some(match scalar {
-            FloatType::F64 => {
-                let (function, reason) = StateFunction::new(planning, arrays, machine)?;
-                (Self::F64(ArrayCode::Function(Arc::new(function))), reason)
-            }
-            FloatType::F32 => {
-                let (function, reason) = StateFunction::new(planning, arrays, machine)?;
-                (Self::F32(ArrayCode::Function(Arc::new(function))), reason)
-            }
-        })
+        fn of<S: CodeNumber>(
+            planning: Planning,
+            arrays: ArrayShapes,
+            machine: bool,
+        ) -> Option<(AnyCode, Option<String>)> {
+            let (function, reason) = StateFunction::<S>::new(planning, arrays, machine)?;
+            Some((S::any(ArrayCode::Function(Arc::new(function))), reason))
+        }
+        match scalar {
+            FloatType::F64 => of::<f64>(planning, arrays, machine),
+            FloatType::F32 => of::<f32>(planning, arrays, machine),
+        }
     }
 }

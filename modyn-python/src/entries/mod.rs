@@ -24,9 +24,10 @@ use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::codes::{AnyCode, ArrayCode, ArrayShapes, CodeHandle, Identity, StateFunction, no_step};
+use crate::codes::{
+    AnyCode, ArrayCode, ArrayShapes, CodeHandle, CodeNumber, Identity, StateFunction, no_step,
+};
 use crate::errors::{description_error, warn_of_machine_code};
-use crate::number::Number;
 use crate::robot::Robot;
 use field::{FieldNumbers, FieldStep};
 pub use xla::xla_handler;
@@ -120,14 +121,9 @@ impl Robot {
             format!("{derivative:?}"),
             numbers.bits(),
         ));
-        CodeHandle::new(identity, || match (step.code(), poses.code()) {
-            (AnyCode::F64(step), AnyCode::F64(poses)) => {
-                Ok(AnyCode::F64(self.on_field([step, poses], &numbers, derivative)?))
-            }
-            (AnyCode::F32(step), AnyCode::F32(poses)) => {
-                Ok(AnyCode::F32(self.on_field([step, poses], &numbers, derivative)?))
-            }
-            _ => Err(no_step()),
+        CodeHandle::new(identity, || match step.code() {
+            AnyCode::F64(step) => self.on_field(step, poses.code(), &numbers, derivative),
+            AnyCode::F32(step) => self.on_field(step, poses.code(), &numbers, derivative),
         })
     }
 
@@ -345,20 +341,23 @@ impl Robot {
 
     /// Returns the code of a step on a height field, given the code of the step and of the poses of
     /// the links that carry the shapes.
-    fn on_field<S: Number>(
+    fn on_field<S: CodeNumber>(
         &self,
-        codes: [&ArrayCode<S>; 2],
+        step: &ArrayCode<S>,
+        poses: &AnyCode,
         field: &FieldNumbers<'_>,
         derivative: Option<Derivative>,
-    ) -> PyResult<ArrayCode<S>> {
-        let [ArrayCode::Function(step), ArrayCode::Function(poses)] = codes else {
+    ) -> PyResult<AnyCode> {
+        let (ArrayCode::Function(step), Some(ArrayCode::Function(poses))) = (step, S::code(poses))
+        else {
             return Err(no_step());
         };
         let functions = [step, poses].map(Arc::clone);
-        let step = FieldStep::new(self, functions, field, derivative)
+        let on_field = FieldStep::new(self, functions, field, derivative)
             .map_err(|error| PyValueError::new_err(error.to_string()))?;
-        let shapes = step.shapes().clone();
-        Ok(ArrayCode::Function(Arc::new(StateFunction::of_own_code(step, shapes))))
+        let shapes = on_field.shapes().clone();
+        let function = StateFunction::of_own_code(on_field, shapes);
+        Ok(S::any(ArrayCode::Function(Arc::new(function))))
     }
 
     /// Returns the code of a function of arrays, which is compiled at its first use, and is the

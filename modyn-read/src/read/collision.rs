@@ -180,12 +180,18 @@ pub fn touching_solid<'t>(
     Ok(geometry)
 }
 
-/// Returns for each link of a description whether it moves in the world.
-pub fn moving_links(description: &Description, base: Base) -> Vec<bool> {
+/// Returns the index of each link of a description by its name; of the first link with a name.
+pub fn link_indices(description: &Description) -> FxHashMap<&str, usize> {
     let mut indices = FxHashMap::default();
     for (link, name) in description.link_names().enumerate() {
         indices.entry(name).or_insert(link);
     }
+    indices
+}
+
+/// Returns for each link of a description whether it moves in the world.
+pub fn moving_links(description: &Description, base: Base) -> Vec<bool> {
+    let indices = link_indices(description);
     let count = description.links.len();
     let mut children = vec![Vec::new(); count];
     let mut is_root = vec![true; count];

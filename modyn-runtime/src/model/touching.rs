@@ -238,6 +238,16 @@ impl ContactComponents {
     }
 }
 
+impl StepSettings<f64, Vec<ContactSurface<f64>>> {
+    /// Returns the numbers of the settings, then the numbers of the surfaces: the argument
+    /// `step_settings` of functions of numbers.
+    #[must_use]
+    pub fn all_numbers(&self) -> Vec<f64> {
+        let surfaces = self.contacts.iter().flat_map(ContactSurface::numbers);
+        self.numbers().into_iter().chain(surfaces).collect()
+    }
+}
+
 impl Model {
     /// Returns what steps with soft constraints have beside joints, limits and friction.
     #[must_use]

@@ -123,6 +123,15 @@ fn step_settings_of<S: Scalar>(numbers: &[S]) -> StepSettings<S, Vec<ContactSurf
     StepSettings::from_numbers([settings[0], settings[1]], contacts)
 }
 
+/// Returns the destinations of the solution of a step: q, qd, qdd, the forces, the residual and the
+/// number of iterations.
+fn solution_of<S>(
+    [q, qd, qdd, forces, residual, iterations]: [&mut [S]; 6],
+) -> StepSolutionOutputs<'_, S> {
+    let [residual, iterations] = [residual, iterations].map(|number| &mut number[0]);
+    StepSolutionOutputs { q, qd, qdd, forces, residual, iterations }
+}
+
 /// Returns the parts of a result: the fields of a function with several results, else the whole
 /// result.
 fn parts<'a, S, const N: usize>(shape: &Shape, mut numbers: &'a mut [S]) -> [&'a mut [S]; N] {

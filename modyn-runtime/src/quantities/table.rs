@@ -485,14 +485,7 @@ macro_rules! quantities {
              implicit in joint damping, or MuJoCo's `implicitfast`, as the description says.",
              "`{Self}` has no function `step`"
              => |robot, [next, after, qdd, forces, residual, iterations]| {
-                        let outputs = StepSolutionOutputs {
-                            q: next,
-                            qd: after,
-                            qdd,
-                            forces,
-                            residual: &mut residual[0],
-                            iterations: &mut iterations[0],
-                        };
+                        let outputs = solution_of([next, after, qdd, forces, residual, iterations]);
                         let input = StepInput { q, qd, tau, warm_start, dt: dt[0] };
                         robot.step(input, &step_settings_of(step_settings), outputs)?;
                     };
@@ -519,14 +512,7 @@ macro_rules! quantities {
              `qfrc_applied`). All else is as in `step`.",
              "`{Self}` has no function `step_actuated`"
              => |robot, [next, after, next_act, qdd, forces, residual, iterations]| {
-                        let outputs = StepSolutionOutputs {
-                            q: next,
-                            qd: after,
-                            qdd,
-                            forces,
-                            residual: &mut residual[0],
-                            iterations: &mut iterations[0],
-                        };
+                        let outputs = solution_of([next, after, qdd, forces, residual, iterations]);
                         let actuators = ActuatorInput { q, qd, ctrl, act, dt: dt[0] };
                         let input = ActuatedInput { actuators, applied, warm_start };
                         robot.step_actuated(input, &step_settings_of(step_settings), outputs, next_act)?;

@@ -14,8 +14,8 @@ mod support;
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
+use modyn_runtime::StepSettings;
 use modyn_runtime::model::Model;
-use modyn_runtime::{ContactSurface, StepSettings};
 
 use super::indices::{in_header, indices};
 use super::support::Support;
@@ -225,13 +225,11 @@ impl Printer {
 
     /// Prints the settings of steps by the description.
     fn default_step_settings(&mut self, model: &Model, upper: &str) {
-        let settings = model.step_settings();
-        let tolerance = match self.float {
-            FloatType::F64 => settings.tolerance,
-            FloatType::F32 => StepSettings::<f32>::DEFAULT.tolerance.into(),
-        };
-        let surfaces = settings.contacts.iter().flat_map(ContactSurface::numbers);
-        let all = [tolerance, settings.impratio].into_iter().chain(surfaces);
+        let mut settings = model.step_settings();
+        if self.float == FloatType::F32 {
+            settings.tolerance = StepSettings::<f32>::DEFAULT.tolerance.into();
+        }
+        let all = settings.all_numbers().into_iter();
         let numbers: Vec<String> = all.map(|x| literal(x, self.float)).collect();
         let real = self.real();
         let count = numbers.len();

@@ -12,7 +12,7 @@ use super::{
     Dialect, GpuArgument, GpuKernel, GpuLanguage, Kernel, Storage, dialect, function, head, kernels,
 };
 use crate::emit::PlannedRobot;
-use crate::plan::{CARRIED, Function, PLANNED, Plan};
+use crate::plan::{CARRIED, Function, PLANNED, Plan, Sizes};
 
 /// The functions of the user in rollouts, as texts in the language of the kernels.
 ///
@@ -196,7 +196,7 @@ pub(in crate::emit) fn print(
     let mut loops = String::new();
     for step in &steps {
         let name = format!("{prefix}_{}", step.rollout());
-        let body = body(&*dialect, step, (sizes.nq, sizes.nv), options, &shared);
+        let body = body(&*dialect, step, sizes, options, &shared);
         let rollout = Rollout { prefix, name: &name, docs: &docs(options), buffers: &buffers };
         loops += &dialect.rollout_kernel(&rollout, &body);
         let controls = step.controls(options);
@@ -314,10 +314,11 @@ fn docs(options: &RolloutOptions) -> String {
 fn body(
     dialect: &dyn Dialect,
     step: &Step<'_>,
-    (nq, nv): (usize, usize),
+    sizes: &Sizes,
     options: &RolloutOptions,
     shared: &[String],
 ) -> String {
+    let Sizes { nq, nv, .. } = *sizes;
     let mut text = String::new();
     let numbers = |buffer: RolloutBuffer, len: usize, place: &dyn Fn(usize) -> String| {
         let buffer = dialect.buffer(buffer);

@@ -5,13 +5,12 @@ use std::path::PathBuf;
 use modyn_runtime::ContactSurface;
 use modyn_runtime::model::SoftConstraints;
 use modyn_runtime::spatial::Pose;
-use rustc_hash::FxHashMap;
 
 use super::frames::Frames;
 use super::world::{Collision, CollisionGeometry, Link, Surface, WORLD, World};
 use crate::description::{Base, Description, ReadOptions, contact_plane};
 use crate::diagnostics::{Code, Place, Report, Subject};
-use crate::read::collision::{self, Collisions, moving_links};
+use crate::read::collision::{self, Collisions, link_indices, moving_links};
 use crate::read::visual::Surfaces;
 
 /// A plane that does not move.
@@ -56,10 +55,7 @@ impl Grounding<'_, '_, '_> {
         }
         // The description has the base that the options ask for.
         let moves = moving_links(description, Base::Described);
-        let mut indices = FxHashMap::default();
-        for (link, name) in description.link_names().enumerate() {
-            indices.entry(name).or_insert(link);
-        }
+        let indices = link_indices(description);
         let world = self.world;
         let index = |link: &Link| {
             let frame = &world.frames[link.frame];
