@@ -27,7 +27,7 @@ fn header(builder: Builder) -> String {
     generated.c_header.expect("functions for C")
 }
 
-/// Returns a C program that takes the address of each function, with plain pointers to numbers, and calls one.
+/// Returns a C program that takes the address of each function, with plain pointers, and calls one.
 fn program(header: &str, number: &str) -> String {
     let mut text = String::from("#include \"rob.h\"\n#include \"rob.h\"\n");
     let mut declared = 0;
@@ -37,9 +37,10 @@ fn program(header: &str, number: &str) -> String {
         let arguments = arguments.trim_end_matches(");").split(", ").map(|argument| {
             let (before, _) = argument.split_once('[').unwrap_or((argument, ""));
             match before.split(' ').collect::<Vec<_>>()[..] {
-                ["const", _, _] => format!("const {number} *"),
+                ["const", kind, _] => format!("const {kind} *"),
                 ["size_t", _] => "size_t".into(),
-                _ => format!("{number} *"),
+                [kind, _] => format!("{kind} *"),
+                _ => panic!("{argument}"),
             }
         });
         let arguments = arguments.collect::<Vec<_>>().join(", ");
@@ -48,10 +49,10 @@ fn program(header: &str, number: &str) -> String {
     }
     assert!(declared > 25, "{declared} functions");
     text + &format!(
-        "{number} energy(void) {{\n    {number} q[ROB_NQ] = {{0}}, qd[ROB_NV] = {{0}}, pose[12];\n    \
+        "{number} energy(void) {{\n    {number} q[ROB_NQ] = {{0}}, qd[ROB_NV] = {{0}};\n    rob_pose_t pose;\n    \
          const {number} *given = q;\n    \
          enum rob_link link = (enum rob_link)(ROB_LINKS - 1);\n    \
-         if (!rob_link_pose(given, link, pose)) return pose[0];\n    \
+         if (!rob_link_pose(given, link, &pose)) return pose.rotation[0][1];\n    \
          return rob_kinetic_energy(given, qd);\n}}\n"
     )
 }

@@ -1,105 +1,92 @@
-//! The indices of numbers in arrays, by name, as enumerations in headers for C.
+//! The names of the entries of arrays, in headers for C: as enumerations, and as texts.
 
 use std::fmt::Write as _;
 
 use modyn_read::diagnostics::sanitize_for_display;
 use modyn_runtime::model::Model;
-use modyn_runtime::{ConstraintSettings, ContactSurface, ContactTarget, StepSettings};
 
 use crate::names;
-use crate::plan::{ArgumentKind, Function};
 
-/// The numbers of the settings of a step, before the surfaces.
-const STEP_SETTINGS: [(&str, usize); 3] =
-    [("TOLERANCE", 0), ("IMPRATIO", 1), ("SURFACES", StepSettings::<f64>::COUNT)];
-
-/// The numbers of a surface.
-const SURFACE: [(&str, usize); 10] = [
-    ("ROTATION", 0),
-    ("TRANSLATION", 9),
-    ("RADIUS", 12),
-    ("FRICTION", 13),
-    ("TORSIONAL_FRICTION", 14),
-    ("ROLLING_FRICTION", 15),
-    ("MARGIN", 16),
-    ("SOLREF", 17),
-    ("SOLIMP", 19),
-    ("COUNT", ContactSurface::<f64>::COUNT),
-];
-
-/// The numbers of the settings of constraints, before the targets.
-const SETTINGS: [(&str, usize); 5] = [
-    ("ALPHA", 0),
-    ("BETA", 1),
-    ("TOLERANCE", 2),
-    ("ROUNDING", 3),
-    ("TARGETS", ConstraintSettings::<f64>::COUNT),
-];
-
-/// The numbers of a contact's target.
-const TARGET: [(&str, usize); 10] = [
-    ("ROTATION", 0),
-    ("TRANSLATION", 9),
-    ("VELOCITY", 12),
-    ("TANGENTIAL", 18),
-    ("ALPHA", 19),
-    ("BETA", 20),
-    ("COMPLIANCE", 21),
-    ("RESTITUTION", 22),
-    ("WEIGHT", 23),
-    ("COUNT", ContactTarget::<f64>::COUNT),
-];
-
-/// Prints the enumerations of a robot.
-struct Indices<'a> {
-    text: String,
-    prefix: &'a str,
-    upper: String,
+/// The names of the entries of arrays.
+pub(super) struct Named {
+    /// What the entries are, in one word.
+    pub(super) kind: &'static str,
+    pub(super) docs: &'static str,
+    pub(super) names: Vec<String>,
 }
 
-/// Returns the enumerations of a robot with these functions: of links, coordinates and velocities, and
-/// of contacts, shapes, controls and activations where there are some; and of the numbers of settings
-/// that functions take.
-pub(super) fn indices(model: &Model, functions: &[Function], prefix: &str) -> String {
-    let takes = |kind: ArgumentKind| {
-        functions.iter().any(|f| f.row().arguments.iter().any(|argument| argument.kind == kind))
+/// Returns the names of links, coordinates and velocities, and of loops, contacts, shapes, controls
+/// and activations where there are some.
+pub(super) fn all_names(model: &Model) -> Vec<Named> {
+    let named = |kind, docs, names: Vec<String>| Named { kind, docs, names };
+    let frames = model.frames().iter().map(|frame| frame.name.to_string());
+    let loops = model.loop_constraints().iter().map(|constraint| constraint.name.to_string());
+    let contacts = model.contacts().iter().map(|contact| contact.name.to_string());
+    let shapes = model.touching_shapes();
+    let shapes = shapes.iter().map(|shape| shape.name.to_string());
+    let controls = model.control_names().into_iter().map(str::to_owned);
+    let activations = model.activation_names().into_iter().map(str::to_owned);
+    let velocities = "The entries of `qd`, and of accelerations and joint forces";
+    let all = vec![
+        named("link", "The links of the description, in its order", frames.collect()),
+        named("q", "The entries of `q`", model.coordinate_names()),
+        named("v", velocities, model.velocity_names()),
+        named("loop", "The joints that close loops", loops.collect()),
+        named("contact", "The contacts", contacts.collect()),
+        named("shape", "The shapes that touch the ground in steps", shapes.collect()),
+        named("control", "The entries of `ctrl`", controls.collect()),
+        named("activation", "The entries of `act`", activations.collect()),
+    ];
+    all.into_iter().filter(|named| !named.names.is_empty()).collect()
+}
+
+/// Returns the enumerations of a robot.
+pub(super) fn indices(model: &Model, prefix: &str) -> String {
+    all_names(model).iter().map(|named| named.enumeration(prefix)).collect()
+}
+
+/// The texts of names.
+pub(super) struct NameTables {
+    pub(super) declarations: String,
+    pub(super) definitions: String,
+}
+
+/// Returns the names of a robot as texts, in the order of the enumerations.
+pub(super) fn name_tables(model: &Model, prefix: &str) -> NameTables {
+    let mut tables = NameTables {
+        declarations: "/* The names in the description. */\n".into(),
+        definitions: String::new(),
     };
-    let upper = prefix.to_uppercase();
-    let mut indices = Indices { text: String::new(), prefix, upper };
-    let coordinates = model.coordinate_names();
-    let velocities = model.velocity_names();
-    let links = model.frames().iter().map(|frame| &*frame.name);
-    indices.named("link", "The links of the description, in its order", links);
-    indices.named("q", "The entries of `q`", coordinates.iter().map(String::as_str));
-    let docs = "The entries of `qd`, and of accelerations and joint forces";
-    indices.named("v", docs, velocities.iter().map(String::as_str));
-    let loops = model.loop_constraints().iter().map(|constraint| &*constraint.name);
-    indices.named("loop", "The joints that close loops", loops);
-    let contacts = model.contacts().iter().map(|contact| &*contact.name);
-    indices.named("contact", "The contacts", contacts);
-    indices.named("control", "The entries of `ctrl`", model.control_names());
-    indices.named("activation", "The entries of `act`", model.activation_names());
-    if takes(ArgumentKind::Settings) {
-        indices.numbers("setting", "The places among `settings`, before the targets", &SETTINGS);
-        let docs =
-            "The places in the target of a contact: the rotation by rows, the translation, ..";
-        indices.numbers("target", docs, &TARGET);
+    for Named { kind, names, .. } in all_names(model) {
+        let table = format!("const char *const {prefix}_{kind}_names[{}]", names.len());
+        let texts: String = names.iter().map(|name| format!("    {},\n", text(name))).collect();
+        let texts = texts.trim_end_matches(",\n");
+        let _ = writeln!(tables.declarations, "extern {table};");
+        let _ = writeln!(tables.definitions, "{table} = {{\n{texts}\n}};\n");
     }
-    if takes(ArgumentKind::StepSettings) {
-        let shapes = model.touching_shapes();
-        let names = shapes.iter().map(|shape| &*shape.name);
-        indices.named("shape", "The shapes that touch the ground", names);
-        let docs = "The places among `step_settings`, before the surfaces of the shapes";
-        indices.numbers("step_setting", docs, &STEP_SETTINGS);
-        let docs =
-            "The places in a surface: the rotation of its plane by rows, a point of the plane, ..";
-        indices.numbers("surface", docs, &SURFACE);
-    }
-    indices.text
+    tables.declarations.push('\n');
+    tables
 }
 
-/// Returns the documentation of a function in a header, with the enumerations in place of Rust's names.
+/// Returns a text in quotation marks.
+fn text(name: &str) -> String {
+    let plain = |byte: u8| byte.is_ascii_alphanumeric() || b" _-./:".contains(&byte);
+    let byte = |byte: u8| match plain(byte) {
+        true => char::from(byte).to_string(),
+        false => format!("\\{byte:03o}"),
+    };
+    format!("\"{}\"", name.bytes().map(byte).collect::<String>())
+}
+
+/// Returns the documentation of a function in a header for C, with the enumerations in place of
+/// Rust's names.
 pub(super) fn in_header(docs: &str, prefix: &str) -> String {
+    with_enumerations(docs, |kind| format!("enum {prefix}_{kind}"))
+}
+
+/// Returns the documentation of a function with the names of enumerations, by the kind of their
+/// entries, in place of Rust's names.
+pub(super) fn with_enumerations(docs: &str, name: impl Fn(&str) -> String) -> String {
     let kinds = [
         ("LINK_NAMES", "link"),
         ("LOOP_CONSTRAINT_NAMES", "loop"),
@@ -107,43 +94,34 @@ pub(super) fn in_header(docs: &str, prefix: &str) -> String {
         ("CONTROL_NAMES", "control"),
         ("ACTIVATION_NAMES", "activation"),
     ];
-    let names = docs.replace(" (`PARAMETERS`)", "");
-    kinds.iter().fold(names, |docs, (name, kind)| {
-        docs.replace(&format!("`{name}`"), &format!("`enum {prefix}_{kind}`"))
+    let docs = docs.replace(" (`PARAMETERS`)", "");
+    kinds.iter().fold(docs, |docs, (in_rust, kind)| {
+        docs.replace(&format!("`{in_rust}`"), &format!("`{}`", name(kind)))
     })
 }
 
-impl Indices<'_> {
-    /// Prints an enumeration of names; none of no names.
-    fn named<'n>(&mut self, kind: &str, docs: &str, names: impl IntoIterator<Item = &'n str>) {
-        let names: Vec<&str> = names.into_iter().collect();
-        let fields = names::fields(&names, &[]);
-        let constants = fields.iter().zip(&names).enumerate();
-        let rows: Vec<String> = constants
+impl Named {
+    /// Returns the names as identifiers in snake case.
+    pub(super) fn identifiers(&self, reserved: &[&str]) -> Vec<String> {
+        names::fields(&self.names.iter().map(String::as_str).collect::<Vec<_>>(), reserved)
+    }
+
+    fn enumeration(&self, prefix: &str) -> String {
+        let Self { kind, docs, names } = self;
+        let upper = format!("{prefix}_{kind}").to_uppercase();
+        let constants = self.identifiers(&[]);
+        let rows = constants.iter().zip(names).enumerate();
+        let rows: String = rows
             .map(|(i, (constant, name))| {
-                self.row(kind, &constant.to_uppercase(), i, &format!(" /* {} */", comment(name)))
+                let comma = if i + 1 < names.len() { "," } else { "" };
+                format!(
+                    "    {upper}_{} = {i}{comma} /* {} */\n",
+                    constant.to_uppercase(),
+                    comment(name)
+                )
             })
             .collect();
-        self.enumeration(kind, docs, &rows);
-    }
-
-    /// Prints an enumeration of places.
-    fn numbers(&mut self, kind: &str, docs: &str, places: &[(&str, usize)]) {
-        let rows: Vec<String> =
-            places.iter().map(|&(name, place)| self.row(kind, name, place, "")).collect();
-        self.enumeration(kind, docs, &rows);
-    }
-
-    fn row(&self, kind: &str, name: &str, place: usize, comment: &str) -> String {
-        format!("    {}_{}_{name} = {place},{comment}\n", self.upper, kind.to_uppercase())
-    }
-
-    fn enumeration(&mut self, kind: &str, docs: &str, rows: &[String]) {
-        let Some((last, others)) = rows.split_last() else { return };
-        let last = last.replacen(',', "", 1);
-        let prefix = self.prefix;
-        let others = others.concat();
-        let _ = writeln!(self.text, "/* {docs}. */\nenum {prefix}_{kind} {{\n{others}{last}}};\n");
+        format!("/* {docs}. */\nenum {prefix}_{kind} {{\n{rows}}};\n\n")
     }
 }
 

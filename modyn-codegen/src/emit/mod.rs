@@ -12,6 +12,7 @@
 //! Entries of parameters are called `q_0`, temporaries `x0` (`Parameter::entry`).
 
 mod c;
+mod c_types;
 mod casadi;
 mod gpu;
 mod indices;
@@ -48,6 +49,14 @@ impl FloatType {
         match self {
             Self::F64 => "f64",
             Self::F32 => "f32",
+        }
+    }
+
+    /// Returns the scalar's name in C.
+    fn in_c(self) -> &'static str {
+        match self {
+            Self::F64 => "double",
+            Self::F32 => "float",
         }
     }
 }
@@ -236,6 +245,9 @@ pub enum Target {
     Rust,
     /// C99 that needs `<math.h>` only: a source file and a header.
     C,
+    /// C++17 over the functions of C: a header with a class that takes and returns matrices of
+    /// Eigen, and the two files of C.
+    Cpp,
     /// CUDA C++, for NVRTC or nvcc: a kernel for each function, with a thread for each state.
     Cuda,
     /// WGSL, for `WebGPU`, in single precision: a kernel for each function, with a thread for each
@@ -250,8 +262,8 @@ pub enum Target {
 
 impl Target {
     /// All languages.
-    pub const ALL: [Self; 6] =
-        [Self::Rust, Self::C, Self::Cuda, Self::Wgsl, Self::Casadi, Self::Matlab];
+    pub const ALL: [Self; 7] =
+        [Self::Rust, Self::C, Self::Cpp, Self::Cuda, Self::Wgsl, Self::Casadi, Self::Matlab];
 
     /// Returns the name of the option `target` of the command line.
     #[must_use]
@@ -275,6 +287,7 @@ impl Target {
         match self {
             Self::Rust => ("rust", "Rust", &rust::Rust),
             Self::C => ("c", "C", &c::C),
+            Self::Cpp => ("cpp", "C++", &c::Cpp),
             Self::Cuda => ("cuda", "CUDA", &gpu::Gpu(GpuLanguage::Cuda)),
             Self::Wgsl => ("wgsl", "WGSL", &gpu::Gpu(GpuLanguage::Wgsl)),
             Self::Casadi => ("casadi", "CasADi", &casadi::Casadi),

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::process::Command;
 
 use modyn_codegen::{Base, Builder, CodeForm, Contact, ContactKind, Function, LoopEnd, Target};
-use modyn_runtime::ContactTarget;
+use modyn_runtime::{ConstraintSettings, ContactTarget};
 
 use crate::conformance::c::{STRICT, write};
 use crate::conformance::{command, contact, folder, robot};
@@ -46,25 +46,29 @@ const BY_NAME: &str = r#"
 #include <string.h>
 #include "ours.h"
 
-int main(void) {
-    double settings[OURS_STEP_SETTINGS];
-    double target[OURS_TARGET_COUNT];
-    size_t left = OURS_STEP_SETTING_SURFACES + OURS_SURFACE_COUNT * (size_t)OURS_SHAPE_LEFT;
-    size_t right = OURS_STEP_SETTING_SURFACES + OURS_SURFACE_COUNT * (size_t)OURS_SHAPE_RIGHT;
+static void print(const double *numbers, size_t size) {
     size_t i;
-    memcpy(settings, ours_default_step_settings, sizeof settings);
-    settings[OURS_STEP_SETTING_IMPRATIO] = 2.0;
-    settings[left + OURS_SURFACE_FRICTION] = 0.25;
-    settings[right + OURS_SURFACE_TRANSLATION + 2] = -0.5;
-    settings[right + OURS_SURFACE_SOLIMP + 3] = 0.75;
-    for (i = 0; i < OURS_STEP_SETTINGS; i++) printf("%.17g ", settings[i]);
-    memset(target, 0, sizeof target);
-    target[OURS_TARGET_TRANSLATION + 1] = 1.0;
-    target[OURS_TARGET_VELOCITY + 3] = 2.0;
-    target[OURS_TARGET_COMPLIANCE] = 3.0;
-    target[OURS_TARGET_WEIGHT] = 4.0;
-    for (i = 0; i < OURS_TARGET_COUNT; i++) printf("%.17g ", target[i]);
+    for (i = 0; i < size / sizeof *numbers; i++) printf("%.17g ", numbers[i]);
+}
+
+int main(void) {
+    ours_step_settings_t settings = ours_default_step_settings;
+    ours_constraint_settings_t constraints = ours_default_constraint_settings;
+    ours_contact_target_t *target = &constraints.contacts[OURS_CONTACT_RIGHT];
+    settings.impratio = 2.0;
+    settings.contacts[OURS_SHAPE_LEFT].friction = 0.25;
+    settings.contacts[OURS_SHAPE_RIGHT].plane.translation[2] = -0.5;
+    settings.contacts[OURS_SHAPE_RIGHT].solimp[3] = 0.75;
+    print((const double *)&settings, sizeof settings);
+    target->pose.translation[1] = 1.0;
+    target->pose.rotation[1][2] = 0.125;
+    target->velocity.linear[0] = 2.0;
+    target->compliance = 3.0;
+    target->weight = 4.0;
+    print((const double *)&constraints, sizeof constraints);
     printf("%d %d %d\n", OURS_Q_FRONT_LEFT_KNEE, OURS_V_FRONT_LEFT_KNEE, OURS_LINK_FRONT_LEFT_FOOT);
+    if (strcmp(ours_v_names[OURS_V_FRONT_LEFT_KNEE], "front_left_knee")) return 1;
+    if (strcmp(ours_contact_names[OURS_CONTACT_RIGHT], "right")) return 2;
     return OURS_CONTACT_LEFT;
 }
 "#;
@@ -88,14 +92,17 @@ fn numbers_have_names() {
     settings.contacts[0].friction = 0.25;
     settings.contacts[1].plane.translation[2] = -0.5;
     settings.contacts[1].solimp[3] = 0.75;
-    let mut target = ContactTarget::from_numbers([0.0; 24]);
+    let mut constraints = ConstraintSettings::<f64, [ContactTarget<f64>; 2]>::DEFAULT;
+    let target = &mut constraints.contacts[1];
+    target.pose.rotation[1][2] = 0.125;
     target.pose.translation[1] = 1.0;
     target.velocity.linear.0[0] = 2.0;
     target.compliance = 3.0;
     target.weight = 4.0;
     let link = model.frame_index("front_left_foot").expect("a link") as f64;
     let mut expected = settings.all_numbers();
-    expected.extend(target.numbers());
+    expected.extend(constraints.numbers());
+    expected.extend(constraints.contacts.iter().flat_map(ContactTarget::numbers));
     expected.push(place(&model.coordinate_names(), "front_left_knee"));
     expected.push(place(&model.velocity_names(), "front_left_knee"));
     expected.push(link);
@@ -134,7 +141,7 @@ fn the_instructions_of_loops_do_not_grow_with_the_robot() {
 /// The largest number of bytes of forward dynamics of a chain in loops, with its own sine and cosine, by gcc.
 const MAX_LOOP: usize = 9000;
 
-/// The set of active contacts and the settings are arrays of numbers.
+/// The set of active contacts is an array of numbers, and the settings are a struct.
 #[test]
 fn contacts_are_arguments() {
     let point = |name: &str, link: &str| Contact {
@@ -146,7 +153,8 @@ fn contacts_are_arguments() {
     let feet = [point("left", "front_left_foot"), point("right", "hind_right_foot")];
     let builder = builder.functions([Function::ConstrainedForwardDynamics]).contacts(feet);
     let header = &builder.emit(Target::C).expect("good").files[1].text;
-    let declared = "const double contacts[2], const double settings[52], double out[43]";
+    let declared = "const double contacts[2], const quadruped_constraint_settings_t *settings, \
+                    quadruped_constrained_forward_dynamics_t *out";
     assert!(header.contains(declared), "{header}");
 }
 

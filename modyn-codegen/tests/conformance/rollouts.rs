@@ -113,6 +113,9 @@ fn rollout_harness(
     (forces, cost): (&str, &str),
 ) -> String {
     let [data, costs] = arguments;
+    // Functions of tests take numbers, those of C a struct.
+    let made = ["step", "step_actuated", "step_constrained"].contains(&step);
+    let next = if made { "next" } else { "(ours_step_t *)next" };
     format!(
         "#include <cmath>\n#include <cstdio>\n#include <limits>\n#include <vector>\n#include \"shim.h\"\nusing namespace std;\n\
          extern \"C\" {{\n#include \"ours.h\"\n}}\n#include \"kernels.cu\"\n\
@@ -141,7 +144,7 @@ fn rollout_harness(
          for (unsigned k = 0; k < steps; ++k) {{\n\
          for (int j = 0; j < {robot}_CONTROLS; ++j) u[j] = controls[(k * {robot}_CONTROLS + j) * n + i];\n\
          {forces}\n\
-         double next[size];\nours_{step}(s, s + nq, tau, dt, next);\n\
+         double next[size];\nours_{step}(s, s + nq, tau, dt, {next});\n\
          for (int j = 0; j < size; ++j) {{ moved = fmax(moved, fabs(next[j] - s[j])); s[j] = next[j]; }}\n\
          {cost}\n\
          for (int j = 0; j < size && recorded; ++j)\n\
@@ -188,16 +191,17 @@ fn rollouts_are_loops_of_steps() {
     assert_eq!(names, ["theirs_rollout_semi_implicit", "theirs_rollout_rk4"]);
     let forces = "ours_gravity_torques_with(s, params.data(), tau);\n\
                   for (int j = 0; j < nv; ++j) tau[j] += 0.7 * u[j % 3] - 0.3 * s[nq + j];";
-    let cost = "double pose[12];\nours_link_pose(s, OURS_LINK_HAND, pose);\n\
+    let cost = "ours_pose_t pose;\nours_link_pose(s, OURS_LINK_HAND, &pose);\n\
                 sum += (k + 1) * 0.7 * u[2] * u[2] + 0.3 * s[nq + 6];\n\
-                for (int j = 0; j < 3; ++j) sum += pow(pose[9 + j] - data[2 + j], 2);";
+                for (int j = 0; j < 3; ++j) sum += pow(pose.translation[j] - data[2 + j], 2);";
     for step in ["step_semi_implicit", "step_rk4"] {
         let arguments = ["data.data(), params.data(), ", "costs.data(), "];
         let main = rollout_harness(("ARM", step, 21), -1, arguments, (forces, cost));
         let main = main.replace("ARM_CONTROLS", "3");
         // C's functions with run-time parameters have names of their own.
-        let own = format!("ours_{step}(s, s + nq, tau, dt, next)");
-        let with = format!("ours_{step}_with(s, s + nq, tau, dt, params.data(), next)");
+        let own = format!("ours_{step}(s, s + nq, tau, dt, (ours_step_t *)next)");
+        let with =
+            format!("ours_{step}_with(s, s + nq, tau, dt, params.data(), (ours_step_t *)next)");
         assert!(main.contains(&own));
         let main = main.replace(&own, &with);
         build(&format!("rollout_{step}"), &builder, (&source.text, &main));
@@ -239,15 +243,15 @@ fn rollouts_that_hold_contacts() {
     let quaternion = quaternion_of(&builder);
     let step = "static vector<double> settings;\nstatic unsigned current, held, released;\n\
         static void ours_step_constrained(const double *q, const double *qd, const double *tau, const double *dt, double *next)\n{\n\
-        const int nq = OURS_NQ, nv = OURS_NV;\ndouble pose[12], r[nv + 25], moved[nv];\n\
-        ours_link_pose(q, OURS_LINK_FRONT_LEFT_FOOT, pose);\n\
-        double active[2] = { pose[11] < 0.3 ? 1.0 : 0.0, current % 3 != 0 ? 1.0 : 0.0 };\n\
+        const int nq = OURS_NQ, nv = OURS_NV;\nours_pose_t pose;\nours_constrained_forward_dynamics_t r;\ndouble moved[nv];\n\
+        ours_link_pose(q, OURS_LINK_FRONT_LEFT_FOOT, &pose);\n\
+        double active[2] = { pose.translation[2] < 0.3 ? 1.0 : 0.0, current % 3 != 0 ? 1.0 : 0.0 };\n\
         for (int sweep = 0; sweep < 2; ++sweep) {\n\
-        ours_constrained_forward_dynamics(q, qd, tau, active, settings.data(), r);\n\
-        for (int c = 0; c < 2; ++c) { const double *f = r + nv + 6 * c + 3, *ground = settings.data() + 4 + 24 * c;\n\
+        ours_constrained_forward_dynamics(q, qd, tau, active, (const ours_constraint_settings_t *)settings.data(), &r);\n\
+        for (int c = 0; c < 2; ++c) { const double *f = r.wrenches[c].force, *ground = settings.data() + 4 + 24 * c;\n\
         held += active[c] > 0;\n\
         if (f[0] * ground[2] + f[1] * ground[5] + f[2] * ground[8] < 0) { released += active[c] > 0; active[c] = 0; } }\n}\n\
-        for (int j = 0; j < nv; ++j) { next[nq + j] = qd[j] + dt[0] * r[j]; moved[j] = dt[0] * next[nq + j]; }\n\
+        for (int j = 0; j < nv; ++j) { next[nq + j] = qd[j] + dt[0] * r.qdd[j]; moved[j] = dt[0] * next[nq + j]; }\n\
         ours_integrate(q, moved, next);\n}\n";
     let fill = "settings = { 10, 8, 1e-10, 1e-10 };\n\
         for (int c = 0; c < 2; ++c) { const double a = 0.3 - 0.5 * c, s = sin(a), k = cos(a);\n\
@@ -309,9 +313,9 @@ fn solver_conforms(name: &str, builder: &Builder, quaternion: i32) {
         "static vector<double> settings = {{ {numbers} }};\nstatic unsigned current, pushed;\n\
         static void ours_step(const double *q, const double *qd, const double *tau, const double *dt, double *next)\n{{\n\
         const int n = OURS_NQ + OURS_NV, forces = 3 * {contacts};\n\
-        static double start[OURS_NV];\ndouble r[n + OURS_NV + forces + 2];\n\
+        static double start[OURS_NV];\nours_step_solution_t solution;\nconst double *r = (const double *)&solution;\n\
         for (int j = 0; j < OURS_NV && current == 0; ++j) start[j] = 0;\n\
-        ours_step(q, qd, tau, dt, start, settings.data(), r);\n\
+        ours_step(q, qd, tau, dt, start, (const ours_step_settings_t *)settings.data(), &solution);\n\
         for (int j = 0; j < n; ++j) next[j] = r[j];\n\
         for (int j = 0; j < OURS_NV; ++j) start[j] = r[n + j];\n\
         for (int j = 0; j < forces; ++j) pushed += r[n + OURS_NV + j] != 0;\n}}\n"
@@ -349,10 +353,10 @@ fn rollouts_under_controls() {
             "static vector<double> settings = {{ 1e-12, 1 }};\nstatic unsigned current;\nstatic const double *given;\n\
             static void ours_step_actuated(const double *q, const double *qd, const double *, const double *dt, double *next)\n{{\n\
             const int n = OURS_NQ + OURS_NV, na = {activations};\n\
-            static double start[OURS_NV], act[na + 1], applied[OURS_NV];\ndouble r[n + na + OURS_NV + 2];\n(void)act;\n\
+            static double start[OURS_NV], act[na + 1], applied[OURS_NV];\nours_actuated_step_t solution;\nconst double *r = (const double *)&solution;\n(void)act;\n\
             for (int j = 0; j < OURS_NV && current == 0; ++j) start[j] = 0;\n\
             for (int j = 0; j < na && current == 0; ++j) act[j] = 0;\n\
-            ours_step_actuated(q, qd, given, dt, {act}applied, start, settings.data(), r);\n\
+            ours_step_actuated(q, qd, given, dt, {act}applied, start, (const ours_step_settings_t *)settings.data(), &solution);\n\
             for (int j = 0; j < n; ++j) next[j] = r[j];\n\
             for (int j = 0; j < na; ++j) act[j] = r[n + j];\n\
             for (int j = 0; j < OURS_NV; ++j) start[j] = r[n + na + j];\n}}\n"
@@ -393,9 +397,9 @@ fn rollouts_that_close_loops() {
     );
     let step = "static const double settings[4] = { 20, 15, 1e-10, 1e-10 };\n\
         static void ours_step_constrained(const double *q, const double *qd, const double *tau, const double *dt, double *next)\n{\n\
-        const int nq = OURS_NQ, nv = OURS_NV;\ndouble r[nv + 13], moved[nv];\n\
-        ours_constrained_forward_dynamics(q, qd, tau, settings, r);\n\
-        for (int j = 0; j < nv; ++j) { next[nq + j] = qd[j] + dt[0] * r[j]; moved[j] = dt[0] * next[nq + j]; }\n\
+        const int nq = OURS_NQ, nv = OURS_NV;\nours_constrained_forward_dynamics_t r;\ndouble moved[nv];\n\
+        ours_constrained_forward_dynamics(q, qd, tau, (const ours_constraint_settings_t *)settings, &r);\n\
+        for (int j = 0; j < nv; ++j) { next[nq + j] = qd[j] + dt[0] * r.qdd[j]; moved[j] = dt[0] * next[nq + j]; }\n\
         ours_integrate(q, moved, next);\n}\n";
     let forces = "for (int j = 0; j < nv; ++j) tau[j] = u[j];";
     let arguments = ["settings, ", ""];
@@ -445,9 +449,11 @@ fn rollouts_in_c_are_loops_of_steps() {
     let main = "#include <stdio.h>\n#include <string.h>\n#include \"ours.h\"\n\
         enum { N = OURS_NQ + OURS_NV, STEPS = 60 };\n\
         static const double gravity[3] = { 0.3, 0.2, -9.0 }, dt[1] = { 0.01 };\n\
-        static const double soft[] = { SOFT };\n\
-        static double controls[STEPS * OURS_NV], moved[2][N], one[STEPS * N], all[STEPS * N], next[N + 7];\n\
+        static const double numbers[] = { SOFT };\n\
+        static double controls[STEPS * OURS_NV], moved[2][N], one[STEPS * N], all[STEPS * N];\n\
         int main(void) {\n\
+        const ours_step_settings_t *const soft = (const ours_step_settings_t *)numbers;\n\
+        ours_step_solution_t next;\n\
         int ground, k, pushed = 0, j;\n\
         for (k = 0; k < STEPS * OURS_NV; ++k) controls[k] = k % 7 * 0.01;\n\
         for (ground = 0; ground < 2; ++ground) {\n\
@@ -456,11 +462,11 @@ fn rollouts_in_c_are_loops_of_steps() {
         memcpy(moved[0], state, sizeof state); memcpy(moved[1], state, sizeof state);\n\
         for (k = 0; k < STEPS; ++k) {\n\
         const double *tau = &controls[k * OURS_NV]; double *s = moved[0];\n\
-        if (ground) ours_step_with(s, s + OURS_NQ, tau, dt, start[0], soft, gravity, next);\n\
-        else ours_step_rk4_with(s, s + OURS_NQ, tau, dt, gravity, next);\n\
-        memcpy(s, next, sizeof moved[0]); memcpy(&one[k * N], next, sizeof moved[0]);\n\
-        if (ground) memcpy(start[0], next + N, OURS_NV * sizeof(double));\n\
-        for (j = 0; ground && j < 3; ++j) pushed += next[N + OURS_NV + j] != 0;\n}\n\
+        if (ground) ours_step_with(s, s + OURS_NQ, tau, dt, start[0], soft, gravity, &next);\n\
+        else ours_step_rk4_with(s, s + OURS_NQ, tau, dt, gravity, (ours_step_t *)&next);\n\
+        memcpy(s, &next, sizeof moved[0]); memcpy(&one[k * N], &next, sizeof moved[0]);\n\
+        if (ground) memcpy(start[0], next.qdd, sizeof next.qdd);\n\
+        for (j = 0; ground && j < 3; ++j) pushed += next.forces[0][j] != 0;\n}\n\
         for (k = 0; k < 2; ++k) { double *s = moved[1], *trajectory = k ? all + N * (STEPS / 2) : all;\n\
         const double *tau = &controls[k * OURS_NV * (STEPS / 2)];\n\
         if (ground) ours_rollout(STEPS / 2, tau, dt, soft, gravity, s, s + OURS_NQ, start[1], trajectory);\n\

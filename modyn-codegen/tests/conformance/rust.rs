@@ -44,7 +44,7 @@ impl BackEnd for Rust {
         let call = |call: &Call, arguments: &str| {
             let (name, arguments_alone) = (&call.function, arguments.trim_end_matches(", "));
             match (&call.shape, call.link) {
-                (Shape::Scalar, _) => format!("x[0] = ours_{name}({arguments_alone});"),
+                (Shape::Scalar, _) => format!("*(real *)x = ours_{name}({arguments_alone});"),
                 (_, Some(link)) => format!("if (!ours_{name}({arguments}{link}, x)) return 1;"),
                 (_, None) => format!("ours_{name}({arguments}x);"),
             }

@@ -146,7 +146,7 @@ pub fn write_main<R>(
         for (i, argument) in one.arguments.iter().enumerate() {
             let _ = writeln!(
                 text,
-                "    static real m{i}[{}], *const a{i} = m{i} + 1;",
+                "    static real m{i}[{}]; void *const a{i} = m{i} + 1;",
                 argument.len() + 1
             );
             let _ = writeln!(reads, "        if (!get(a{i}, {})) return 1;", argument.len());
@@ -155,7 +155,7 @@ pub fn write_main<R>(
         let len = one.expected.len();
         let _ = writeln!(
             text,
-            "    static real m[{len} + 1], *const x = m + 1;\n    for (s = 0; s < {STATES}; ++s) {{\n{reads}        {}\n        \
+            "    static real m[{len} + 1]; void *const x = m + 1;\n    for (s = 0; s < {STATES}; ++s) {{\n{reads}        {}\n        \
              if (!put(x, {len})) return 1;\n    }}\n    return 0;\n}}",
             call(one, &names)
         );

@@ -5,6 +5,7 @@
 //! recursion. Without contraction (`-ffp-contract=off`) the results equal the results of the
 //! scalar Rust functions, bit for bit.
 
+mod eigen;
 mod function;
 mod loops;
 mod products;
@@ -14,14 +15,16 @@ mod support;
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
-use modyn_runtime::StepSettings;
 use modyn_runtime::model::Model;
+use modyn_runtime::{ConstraintSettings, ContactTarget, StepSettings};
 
-use super::indices::{in_header, indices};
+use super::c_types::{CType, CTypes, value};
+use super::indices::{in_header, indices, name_tables};
 use super::support::Support;
 use super::{Backend, EmitOptions, File, FloatType, MachineCode, PlannedRobot, coordinates_in_c};
-use crate::plan::{Argument, Frames, Function, Kernels, LinkProgram, Plan, Shape};
+use crate::plan::{Argument, ArgumentKind, Frames, Function, Kernels, LinkProgram, Plan, Shape};
 use crate::program::{Execution, Program};
+pub(super) use eigen::Cpp;
 pub(super) use support::{Qualifiers, text as support};
 
 /// The back end.
@@ -45,18 +48,26 @@ impl Backend for C {
     }
 }
 
-/// An array argument of a function.
+/// An array of numbers.
 #[derive(Clone)]
 pub(super) struct Array {
     pub(super) name: String,
     pub(super) len: usize,
 }
 
+/// An argument of a function.
+struct Parameter {
+    array: Array,
+    shape: Shape,
+    /// The meaning of its numbers; `None` for run-time parameters.
+    kind: Option<ArgumentKind>,
+}
+
 /// A function of the plan or of its factorization.
 struct Item<'a> {
     name: String,
     docs: &'static str,
-    arguments: Vec<Array>,
+    parameters: Vec<Parameter>,
     result: &'a Shape,
     programs: Programs<'a>,
     /// Whether run-time parameters are the function's last argument.
@@ -66,9 +77,22 @@ struct Item<'a> {
 }
 
 impl Item<'_> {
-    /// Returns the name of the function that computes: with run-time parameters, others call it.
+    /// Returns the name of the function of arrays of numbers that computes: the others call it.
     fn own_name(&self) -> String {
-        format!("{}{}", self.name, if self.with_parameters { "_with" } else { "" })
+        let with = if self.with_parameters { "_with" } else { "" };
+        let numbers = if self.has_structs() { "_numbers" } else { "" };
+        format!("{}{with}{numbers}", self.name)
+    }
+
+    /// Returns the arguments as arrays of numbers.
+    fn arrays(&self) -> Vec<Array> {
+        self.parameters.iter().map(|parameter| parameter.array.clone()).collect()
+    }
+
+    /// Returns whether an argument or the result is a struct.
+    fn has_structs(&self) -> bool {
+        let shapes = self.parameters.iter().map(|parameter| &parameter.shape);
+        shapes.chain([self.result]).any(|shape| CType::new(shape).is_struct())
     }
 }
 
@@ -96,6 +120,7 @@ pub(super) struct Printer {
     header: String,
     pub(super) source: String,
     support: BTreeSet<Support>,
+    types: CTypes,
 }
 
 /// Returns the header of functions that are machine code in an object file.
@@ -128,7 +153,8 @@ impl Printer {
     pub(super) fn new(prefix: &str, float: FloatType) -> Self {
         let header = String::new();
         let source = String::new();
-        Self { prefix: prefix.into(), float, header, source, support: BTreeSet::new() }
+        let types = CTypes::new(prefix, float.in_c());
+        Self { prefix: prefix.into(), float, header, source, support: BTreeSet::new(), types }
     }
 
     /// Returns the text of the support functions that the printed functions call.
@@ -166,9 +192,9 @@ impl Printer {
         format!(
             "/* Dynamics of a robot, compiled by modyn. SI units, radians; gravity {:?} m/s^2 in world axes.\n   \
              Vectors are in the order of the description's joints, depth first. Matrices are arrays of columns;\n   \
-             the rotation of a pose is an array of rows. Quaternions are x, y, z, w. Twists are angular, then\n   \
+             `rotation[i][j]` of a pose is in row i and column j. Quaternions are x, y, z, w. Twists are angular, then\n   \
              linear; wrenches are the moment, then the force. The velocity of a floating joint is linear, then\n   \
-             angular, in the axes of its link.\n   \
+             angular, in the axes of its link. A struct has only numbers, and can be read as an array of them.\n   \
              Results must not overlap arguments. {notes}*/\n\
              #ifndef {upper}_H\n#define {upper}_H\n\n\
              #ifdef __cplusplus\nextern \"C\" {{\n#endif\n\n{}\
@@ -191,10 +217,16 @@ impl Printer {
         ] {
             let _ = writeln!(self.header, "/* {docs} */\n#define {upper}_{name} {value}");
         }
-        let functions: Vec<Function> = plan.functions.iter().filter_map(|f| f.function).collect();
-        self.header += &indices(model, &functions, &self.prefix);
-        if functions.iter().any(|function| function.row().has_solver) {
-            self.default_step_settings(model, upper);
+        self.header += &indices(model, &self.prefix);
+        let tables = name_tables(model, &self.prefix);
+        self.header += &tables.declarations;
+        self.source += &tables.definitions;
+        for name in [ArgumentKind::Settings, ArgumentKind::StepSettings] {
+            let functions = &plan.functions;
+            let mut arguments = functions.iter().flat_map(|planned| &planned.arguments);
+            if let Some((_, shape)) = arguments.find(|(argument, _)| argument.kind == name) {
+                self.default_settings(name, shape, model);
+            }
         }
         if plan.parameters.is_empty() {
             return;
@@ -223,31 +255,38 @@ impl Printer {
         );
     }
 
-    /// Prints the settings of steps by the description.
-    fn default_step_settings(&mut self, model: &Model, upper: &str) {
-        let mut settings = model.step_settings();
-        if self.float == FloatType::F32 {
-            settings.tolerance = StepSettings::<f32>::DEFAULT.tolerance.into();
-        }
-        let all = settings.all_numbers().into_iter();
-        let numbers: Vec<String> = all.map(|x| literal(x, self.float)).collect();
-        let real = self.real();
-        let count = numbers.len();
-        let name = format!("{}_default_step_settings", self.prefix);
-        let _ = writeln!(
-            self.header,
-            "/* The settings of steps by the description. */\n\
-             #define {upper}_STEP_SETTINGS {count}\nextern const {real} {name}[{count}];\n"
-        );
-        let _ =
-            writeln!(self.source, "const {real} {name}[{count}] = {{ {} }};\n", numbers.join(", "));
+    /// Prints the settings by the description.
+    fn default_settings(&mut self, kind: ArgumentKind, shape: &Shape, model: &Model) {
+        self.header += &self.types.definitions(shape);
+        let single = self.float == FloatType::F32;
+        let (name, docs, numbers) = match kind {
+            ArgumentKind::StepSettings => {
+                let mut settings = model.step_settings();
+                if single {
+                    settings.tolerance = StepSettings::<f32>::DEFAULT.tolerance.into();
+                }
+                ("step", "The settings of steps by the description.", settings.all_numbers())
+            }
+            _ => {
+                let settings = match single {
+                    true => ConstraintSettings::<f32>::DEFAULT.numbers().map(f64::from),
+                    false => ConstraintSettings::<f64>::DEFAULT.numbers(),
+                };
+                let targets = ContactTarget::<f64>::GROUND.numbers().repeat(model.contacts().len());
+                let docs =
+                    "The default settings of constraints: rigid contacts with the plane z = 0.";
+                ("constraint", docs, [settings.to_vec(), targets].concat())
+            }
+        };
+        let mut numbers = numbers.into_iter().map(|x| literal(x, self.float));
+        let settings = self.parameter(&format!("{}_default_{name}_settings", self.prefix), shape);
+        let settings = settings.replace('*', "");
+        let _ = writeln!(self.header, "/* {docs} */\nextern const {settings};\n");
+        let _ = writeln!(self.source, "const {settings} = {};\n", value(shape, &mut numbers));
     }
 
     fn real(&self) -> &'static str {
-        match self.float {
-            FloatType::F64 => "double",
-            FloatType::F32 => "float",
-        }
+        self.float.in_c()
     }
 
     /// Returns the name of a function of the mathematical library in this precision.
@@ -281,11 +320,13 @@ impl Printer {
 
     /// Prints the functions that an item calls.
     fn kernels(&mut self, item: &Item<'_>, frames: &Frames) {
-        let Item { name, arguments, result, .. } = item;
+        let Item { name, result, .. } = item;
+        let arguments = &item.arrays();
         let placement = Array { name: "placement".into(), len: Frames::PLACEMENT };
         match item.programs {
             Programs::One(program) => {
-                self.function("", &item.own_name(), arguments, result.len(), program);
+                let linkage = if item.has_structs() { "static " } else { "" };
+                self.function(linkage, &item.own_name(), arguments, result.len(), program);
             }
             Programs::ByLink(programs) => {
                 let (known, shared) = programs.split_at(frames.links_with_own_program().count());
@@ -312,17 +353,18 @@ impl Printer {
     /// Returns the body of a function that only calls others with these arguments.
     fn calls(&self, item: &Item<'_>, names: &str, frames: &Frames) -> String {
         let name = &item.name;
+        let out = if CType::new(item.result).is_struct() { "numbers" } else { "out" };
         let table = format!("{}_placements", self.prefix);
         match item.programs {
             Programs::One(_) => {
-                format!("    {}({names}, out);\n", item.own_name())
+                format!("    {}({names}, {out});\n", item.own_name())
             }
             Programs::ByLink(_) => {
                 let known_count = frames.links_with_own_program().count();
                 let case = |(i, link): (usize, &LinkProgram)| match link.placement {
-                    None => format!("    case {i}U: {name}_{i}({names}, out); return 1;\n"),
+                    None => format!("    case {i}U: {name}_{i}({names}, {out}); return 1;\n"),
                     Some(row) => format!(
-                        "    case {i}U: {name}_on_{}({names}, {table}[{row}], out); return 1;\n",
+                        "    case {i}U: {name}_on_{}({names}, {table}[{row}], {out}); return 1;\n",
                         link.program - known_count
                     ),
                 };
@@ -344,11 +386,11 @@ impl Printer {
                     let _ = match placement {
                         None => writeln!(
                             text,
-                            "    for (i = 0; i < {pose}; i++) {{ out[{to} + i] = bodies[{from} + i]; }}"
+                            "    for (i = 0; i < {pose}; i++) {{ {out}[{to} + i] = bodies[{from} + i]; }}"
                         ),
                         Some(row) => writeln!(
                             text,
-                            "    {name}_placed(&bodies[{from}], {table}[{row}], &out[{to}]);"
+                            "    {name}_placed(&bodies[{from}], {table}[{row}], &{out}[{to}]);"
                         ),
                     };
                 }
@@ -358,25 +400,34 @@ impl Printer {
     }
 
     /// Prints a function's declarations. Returns for each form its head and the number of its
-    /// arrays: the form for the described parameters, and the one for run-time parameters.
+    /// parameters: the form for the described parameters, and the one for run-time parameters.
     fn declarations(&mut self, item: &Item<'_>) -> Vec<(String, usize)> {
-        let Item { name, arguments, result, .. } = item;
+        let Item { name, parameters, result, .. } = item;
+        for shape in parameters.iter().map(|parameter| &parameter.shape).chain([*result]) {
+            self.header += &self.types.definitions(shape);
+        }
         let by_link = matches!(item.programs, Programs::ByLink(_));
         let docs = in_header(item.docs, &self.prefix).replace('\n', "\n   ");
-        let layout = format!("`out`: {}.", result.in_words());
-        let link =
-            if by_link { " Returns 0 and writes nothing if there is no such link." } else { "" };
-        let docs = format!("/* {docs}\n   {layout}{link} */\n");
-        let all = arguments.len();
-        let without_parameters = arguments.len() - usize::from(item.with_parameters);
-        let out = self.output(result.len());
+        let layout = match CType::new(result).is_struct() {
+            true => String::new(),
+            false => format!("\n   `out`: {}.", result.in_words()),
+        };
+        let link = if by_link {
+            "\n   Returns 0 and writes nothing if there is no such link."
+        } else {
+            ""
+        };
+        let docs = format!("/* {docs}{layout}{link} */\n");
+        let all = parameters.len();
+        let without_parameters = all - usize::from(item.with_parameters);
+        let out = self.parameter("out", result);
         let (returned, link) = if by_link { ("int", "unsigned int link, ") } else { ("void", "") };
         let mut forms = vec![(name.clone(), without_parameters)];
         if item.with_parameters {
             forms.push((format!("{name}_with"), all));
         }
         let head = |(form, count): (String, usize)| {
-            let parameters = self.parameters(&arguments[..count]);
+            let parameters: String = parameters[..count].iter().map(|p| self.read(p)).collect();
             (format!("{returned} {form}({parameters}{link}{out})"), count)
         };
         let heads: Vec<(String, usize)> = forms.into_iter().map(head).collect();
@@ -389,30 +440,49 @@ impl Printer {
     /// Prints a function's declarations and definitions.
     fn item(&mut self, item: &Item<'_>, frames: &Frames) {
         self.kernels(item, frames);
-        let arguments = &item.arguments;
+        let parameters = &item.parameters;
+        let real = self.real();
         for (head, count) in self.declarations(item) {
-            let defaults = format!("{}_default_parameters", self.prefix);
-            let names = arguments.iter().enumerate();
-            let passed_names =
-                names.map(|(i, a)| if i < count { a.name.clone() } else { defaults.clone() });
-            let names = passed_names.collect::<Vec<_>>().join(", ");
-            if item.programs.are_one() && count == arguments.len() {
+            if item.programs.are_one() && count == parameters.len() && !item.has_structs() {
                 continue;
             }
-            let body = self.calls(item, &names, frames);
-            let _ = writeln!(self.source, "{head}\n{{\n{body}}}\n");
+            let defaults = format!("{}_default_parameters", self.prefix);
+            let passed = |(i, parameter): (usize, &Parameter)| {
+                if i < count { self.numbers_of(parameter) } else { defaults.clone() }
+            };
+            let names: Vec<String> = parameters.iter().enumerate().map(passed).collect();
+            let numbers = match CType::new(item.result).is_struct() {
+                true => format!("    {real} *const numbers = ({real} *)out;\n"),
+                false => String::new(),
+            };
+            let body = self.calls(item, &names.join(", "), frames);
+            let _ = writeln!(self.source, "{head}\n{{\n{numbers}{body}}}\n");
         }
+    }
+
+    /// Returns the declaration of a parameter that is read, followed by a comma.
+    fn read(&self, parameter: &Parameter) -> String {
+        format!("const {}, ", self.parameter(&parameter.array.name, &parameter.shape))
+    }
+
+    /// Returns a parameter as an array of numbers.
+    fn numbers_of(&self, parameter: &Parameter) -> String {
+        let name = &parameter.array.name;
+        match CType::new(&parameter.shape).is_struct() {
+            true => format!("(const {} *){name}", self.real()),
+            false => name.clone(),
+        }
+    }
+
+    /// Returns the declaration of a parameter: structs, or an array of numbers.
+    fn parameter(&self, name: &str, shape: &Shape) -> String {
+        self.types.parameter(name, shape).unwrap_or_else(|| self.array(name, shape.len()))
     }
 
     /// Returns the parameters for arrays that are read, each followed by a comma.
     fn parameters(&self, arrays: &[Array]) -> String {
         let array = |array: &Array| format!("const {}, ", self.array(&array.name, array.len));
         arrays.iter().map(array).collect()
-    }
-
-    /// Returns the parameter for the result.
-    fn output(&self, len: usize) -> String {
-        self.array("out", len)
     }
 
     fn array(&self, name: &str, len: usize) -> String {
@@ -424,13 +494,14 @@ impl Printer {
 
 /// Returns all functions.
 fn items<'a>(plan: &'a Plan, prefix: &str) -> Vec<Item<'a>> {
-    let arrays = |arguments: &[(Argument, Shape)]| -> Vec<Array> {
-        let array = |(argument, shape): &(Argument, Shape)| Array {
-            name: argument.name.into(),
-            len: shape.len(),
+    let parameters = |arguments: &[(Argument, Shape)]| -> Vec<Parameter> {
+        let parameter = |(argument, shape): &(Argument, Shape)| Parameter {
+            array: Array { name: argument.name.into(), len: shape.len() },
+            shape: shape.clone(),
+            kind: Some(argument.kind),
         };
         // C has no array of no numbers.
-        arguments.iter().map(array).filter(|array| array.len > 0).collect()
+        arguments.iter().filter(|(_, shape)| !shape.is_empty()).map(parameter).collect()
     };
     let mut items = Vec::new();
     for planned in &plan.functions {
@@ -439,14 +510,17 @@ fn items<'a>(plan: &'a Plan, prefix: &str) -> Vec<Item<'a>> {
             Kernels::ByLink(programs) => Programs::ByLink(programs),
             Kernels::Poses { bodies, placed, .. } => Programs::Poses { bodies, placed },
         };
-        let parameters = Array { name: "params".into(), len: planned.parameters };
         let with_parameters = planned.parameters > 0;
-        let mut arguments = arrays(&planned.arguments);
-        arguments.extend(with_parameters.then_some(parameters));
+        let mut all = parameters(&planned.arguments);
+        all.extend(with_parameters.then(|| Parameter {
+            array: Array { name: "params".into(), len: planned.parameters },
+            shape: Shape::vector(planned.parameters),
+            kind: None,
+        }));
         items.push(Item {
             name: format!("{prefix}_{}", planned.name),
             docs: planned.docs,
-            arguments,
+            parameters: all,
             result: &planned.result,
             programs,
             with_parameters,
@@ -457,7 +531,7 @@ fn items<'a>(plan: &'a Plan, prefix: &str) -> Vec<Item<'a>> {
         items.push(Item {
             name: format!("{prefix}_{}_{}", Function::Brge.name(), function.name),
             docs: function.docs,
-            arguments: arrays(&function.arguments),
+            parameters: parameters(&function.arguments),
             result: &function.result,
             programs: Programs::One(&function.program),
             with_parameters: false,
@@ -474,7 +548,7 @@ pub(super) fn literal(value: f64, float: FloatType) -> String {
         FloatType::F64 => value.is_finite(),
         FloatType::F32 => (value as f32).is_finite(),
     };
-    let cast = if float == FloatType::F64 { "double" } else { "float" };
+    let cast = float.in_c();
     match float {
         _ if value.is_nan() => format!("(({cast})NAN)"),
         _ if !finite && value < 0.0 => format!("(-({cast})INFINITY)"),

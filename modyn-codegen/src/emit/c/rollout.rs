@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use super::{Array, Item, Printer};
+use super::{Array, Item, Parameter, Printer};
 use crate::plan::{CARRIED, PLANNED};
 
 /// Returns whether an argument of a step is a result of it, too.
@@ -16,17 +16,19 @@ impl Printer {
     pub(super) fn rollout(&mut self, name: &str, step: &Item<'_>, [nq, nv]: [usize; 2]) {
         let real = self.real();
         let state = nq + nv;
-        let array = |name: &str| step.arguments.iter().find(|array| array.name == name);
+        let array =
+            |name: &str| step.parameters.iter().map(|p| &p.array).find(|array| array.name == name);
         let (of_plan, numbers) = PLANNED
             .into_iter()
             .find_map(|(name, numbers)| Some((array(name)?, numbers)))
             .expect("a time step has forces");
-        let others = step.arguments.iter().filter(|array| array.name != of_plan.name);
-        let (moved, shared): (Vec<Array>, Vec<Array>) =
-            others.cloned().partition(|array| is_moved(&array.name));
+        let others = step.parameters.iter().filter(|p| p.array.name != of_plan.name);
+        let (moved, shared): (Vec<&Parameter>, Vec<&Parameter>) =
+            others.partition(|parameter| is_moved(&parameter.array.name));
+        let moved: Vec<&Array> = moved.into_iter().map(|parameter| &parameter.array).collect();
         let in_place: String =
             moved.iter().map(|array| self.array(&array.name, array.len) + ", ").collect();
-        let shared = self.parameters(&shared);
+        let shared: String = shared.into_iter().map(|p| self.read(p)).collect();
         let count = of_plan.len;
         let head = format!(
             "void {name}(unsigned int steps, const {real} *controls, {shared}{in_place}{real} *trajectory)"
@@ -48,11 +50,12 @@ impl Printer {
             step.name
         );
         let numbers_of_step = format!("&controls[step * {count}]");
-        let passed = step.arguments.iter().map(|array| match array.name == of_plan.name {
-            true => &*numbers_of_step,
-            false => &*array.name,
-        });
-        let arguments = passed.collect::<Vec<&str>>().join(", ");
+        let passed =
+            step.parameters.iter().map(|parameter| match parameter.array.name == of_plan.name {
+                true => numbers_of_step.clone(),
+                false => self.numbers_of(parameter),
+            });
+        let arguments = passed.collect::<Vec<String>>().join(", ");
         let mut text = format!(
             "{head}\n{{\n    {real} next[{}];\n    unsigned int step;\n    int i;\n    \
              for (step = 0; step < steps; ++step) {{\n        {}({arguments}, next);\n",

@@ -35,10 +35,7 @@ pub(super) struct Cuda {
 
 impl Cuda {
     fn real(&self) -> &'static str {
-        match self.float {
-            FloatType::F64 => "double",
-            FloatType::F32 => "float",
-        }
+        self.float.in_c()
     }
 
     /// Returns the name of the number of states, if functions need it to find their numbers.

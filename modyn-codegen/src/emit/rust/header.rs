@@ -5,10 +5,10 @@ use std::fmt::Write as _;
 use super::Robot;
 use super::c_functions::in_c;
 use super::quantity::Quantity;
-use super::shape::Shape;
+use crate::emit::c_types::{CType, CTypes};
 use crate::emit::coordinates_in_c;
 use crate::emit::indices::{comment, in_header, indices};
-use crate::plan::{Function, Kernels};
+use crate::plan::{Kernels, Shape};
 
 impl Robot<'_> {
     /// Returns the header with `prefix_function` for each of the `quantities` that C can call.
@@ -45,12 +45,12 @@ impl Robot<'_> {
             8 * size,
             8 * size,
         );
-        let functions = quantities.iter().filter_map(|quantity| Function::from_name(quantity.name));
         text.push('\n');
-        text += &indices(self.model, &functions.collect::<Vec<_>>(), prefix);
+        text += &indices(self.model, prefix);
         text += "#ifdef __cplusplus\nextern \"C\" {\n#endif\n";
+        let mut types = CTypes::new(prefix, number);
         for quantity in quantities {
-            declaration(&mut text, quantity, prefix, &upper, number);
+            declaration(&mut text, quantity, &mut types, prefix);
         }
         text += "\n#ifdef __cplusplus\n}\n#endif\n\n#endif\n";
         text
@@ -58,24 +58,29 @@ impl Robot<'_> {
 }
 
 /// Prints the declaration of a function.
-fn declaration(
-    text: &mut String,
-    quantity: &Quantity<'_>,
-    prefix: &str,
-    upper: &str,
-    number: &str,
-) {
+fn declaration(text: &mut String, quantity: &Quantity<'_>, types: &mut CTypes, prefix: &str) {
     let function = quantity.name;
     let by_link = matches!(quantity.kernels, Kernels::ByLink(_));
-    let array =
-        |name: &str, shape: &Shape| format!("{number} {name}[{upper}_AT_LEAST({})]", shape.len());
-    let nonempty = quantity.parameters.iter().filter(|p| !p.shape.is_empty());
-    let mut parameters: Vec<String> =
-        nonempty.map(|p| format!("const {}", array(p.name, &p.shape))).collect();
+    let upper = prefix.to_uppercase();
+    let number = types.number();
+    let shapes = quantity.arguments.iter().map(|(_, shape)| shape).chain([quantity.result]);
+    let definitions: String = shapes.map(|shape| types.definitions(shape)).collect();
+    if !definitions.is_empty() {
+        let _ = write!(text, "\n{}", definitions.trim_end_matches('\n'));
+        text.push('\n');
+    }
+    let parameter = |name: &str, shape: &Shape| {
+        let numbers = || format!("{number} {name}[{upper}_AT_LEAST({})]", shape.len());
+        types.parameter(name, shape).unwrap_or_else(numbers)
+    };
+    let nonempty = quantity.arguments.iter().filter(|(_, shape)| !shape.is_empty());
+    let mut parameters: Vec<String> = nonempty
+        .map(|(argument, shape)| format!("const {}", parameter(argument.name, shape)))
+        .collect();
     if by_link {
         parameters.push("size_t link".into());
     }
-    let returned = match (&quantity.shape, by_link) {
+    let returned = match (quantity.result, by_link) {
         (Shape::Scalar, _) => number,
         (_, true) => "bool",
         (_, false) => "void",
@@ -88,8 +93,10 @@ fn declaration(
         ));
     }
     if returned != number {
-        parameters.push(array("out", &quantity.shape));
-        docs.push(format!("The layout of `out`: {}.", quantity.result.in_words()));
+        parameters.push(parameter("out", quantity.result));
+        if !CType::new(quantity.result).is_struct() {
+            docs.push(format!("The layout of `out`: {}.", quantity.result.in_words()));
+        }
     }
     let _ = writeln!(
         text,

@@ -13,6 +13,8 @@ pub(super) struct Quantity<'a> {
     /// The name of the function of one state, if this is its form for many states.
     pub batch_of: Option<&'static str>,
     pub parameters: Vec<Parameter>,
+    /// The arguments with their layouts.
+    pub arguments: &'a [(Argument, plan::Shape)],
     /// The layout of the result.
     pub result: &'a plan::Shape,
     /// The result as a Rust type.
@@ -40,6 +42,7 @@ impl<'a> Quantity<'a> {
             name: planned.name,
             batch_of: planned.batch_of,
             parameters: planned.arguments.iter().map(parameter).collect(),
+            arguments: &planned.arguments,
             shape: Shape::new(&planned.result, robot),
             result: &planned.result,
             takes_source: planned.function.is_some_and(Function::is_of_random_numbers),
