@@ -53,7 +53,7 @@ fn conforms(name: &str, builder: &Builder) -> usize {
         let mut at = 0;
         let results = function.outputs.iter().map(|output| {
             at += output.len();
-            format!("x + {}", at - output.len())
+            format!("(double *)x + {}", at - output.len())
         });
         format!(
             "{{ const double *arg[] = {{ {arguments} }}; double *res[] = {{ {} }}, w[{}];\n        \

@@ -6,6 +6,7 @@ mod casadi;
 #[allow(dead_code)]
 #[path = "../../../tests/src/conformance/mod.rs"]
 mod conformance;
+mod cpp;
 mod cuda;
 mod matlab;
 #[allow(dead_code)]
@@ -58,6 +59,21 @@ conformance! {
     of_rust: rust::Rust;
     of_cuda: cuda::Cuda;
     of_matlab: matlab::Matlab;
+}
+
+/// The class in C++ returns what the functions in C return, without memory of the heap.
+#[test]
+fn cpp_with_eigen() {
+    if !cpp::has_eigen() || !is_installed(&cpp::Cpp) {
+        println!("not compared: Eigen is not installed");
+        return;
+    }
+    let chosen =
+        ["joint_zoo", "five_bar", "parameters", "points", "own_functions", "solver", "actuators"];
+    for case in kinds().into_iter().filter(|case| chosen.contains(&case.name)) {
+        conforms(&cpp::Cpp, &case, FloatType::F64);
+    }
+    conforms(&cpp::Cpp, &cpp::keywords(), FloatType::F32);
 }
 
 #[test]

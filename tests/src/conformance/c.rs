@@ -121,8 +121,7 @@ pub fn call(call: &Call, arguments: &str) -> String {
     }
 }
 
-/// Writes the program `main.c` that reads the arguments of all calls, and writes the results. Its arrays are not aligned to
-/// vectors.
+/// Writes the program `main.c` that calls functions of the header `ours.h`: see [`main_of`].
 ///
 /// # Panics
 ///
@@ -132,11 +131,24 @@ pub fn write_main<R>(
     folder: &Path,
     call: impl Fn(&Call, &str) -> String,
 ) {
+    let text = main_of(subject, "#include \"ours.h\"\n", call);
+    std::fs::write(folder.join("main.c"), text).expect("writes");
+}
+
+/// Returns the text of a program, in C and C++, that reads the arguments of all calls, and writes the results. Its arrays are not aligned to
+/// vectors. `call` returns a statement that calls a function with the pointers of this text, each followed by a comma, and
+/// writes its result to `x`.
+#[must_use]
+pub fn main_of<R>(
+    subject: &Subject<'_, R>,
+    head: &str,
+    call: impl Fn(&Call, &str) -> String,
+) -> String {
     let real = if subject.float == FloatType::F64 { "double" } else { "float" };
     let mut text = format!(
-        "#include <stdio.h>\n#include \"ours.h\"\ntypedef {real} real;\nstatic FILE *in, *out;\n\
-         static int get(real *x, size_t n) {{ return fread(x, sizeof *x, n, in) == n; }}\n\
-         static int put(const real *x, size_t n) {{ return fwrite(x, sizeof *x, n, out) == n; }}\n"
+        "#include <stdio.h>\ntypedef {real} real;\n{head}static FILE *in, *out;\n\
+         static int get(void *x, size_t n) {{ return fread(x, sizeof(real), n, in) == n; }}\n\
+         static int put(const void *x, size_t n) {{ return fwrite(x, sizeof(real), n, out) == n; }}\n"
     );
     let mut main = String::new();
     for (number, own) in subject.calls.chunks(STATES).enumerate() {
@@ -166,5 +178,5 @@ pub fn write_main<R>(
         "int main(void)\n{{\n    in = fopen(\"in\", \"rb\");\n    out = fopen(\"out\", \"wb\");\n    \
          if (!in || !out) return 2;\n    (void)get;\n    (void)put;\n{main}    return fclose(out);\n}}\n"
     );
-    std::fs::write(folder.join("main.c"), text).expect("writes");
+    text
 }
