@@ -16,22 +16,15 @@ const EIGEN: &str = "/usr/include/eigen3";
 
 pub struct Cpp;
 
-/// What a program needs for its calls. A struct of the class has the layout of its numbers. A set of booleans has no NaN, which
-/// some states have there: then the program writes the NaNs that the functions of C return.
+/// What a program needs for its calls. A struct of the class has the layout of its numbers.
 const HEAD: &str = r#"
 #define EIGEN_RUNTIME_NO_MALLOC
-#include <cmath>
-#include <limits>
 #include "ours.hpp"
 struct Structured {
     const void *numbers;
     template <class T> operator const T &() const { return *static_cast<const T *>(numbers); }
 };
 template <int Rows, int Columns> using Given = Eigen::Map<const Ours::Matrix<Rows, Columns>>;
-inline bool nan_among(const void *numbers, std::size_t size) {
-    for (std::size_t i = 0; i < size; ++i) if (std::isnan(static_cast<const real *>(numbers)[i])) return true;
-    return false;
-}
 template <std::size_t Size> std::array<bool, Size> flags(const void *numbers) {
     std::array<bool, Size> set;
     for (std::size_t i = 0; i < Size; ++i) set[i] = static_cast<const real *>(numbers)[i] != 0;
@@ -75,7 +68,8 @@ fn given(name: &str, argument: &Argument, shape: &Shape) -> String {
             _ => map(shape.len(), 1),
         },
         Shape::Record(Record::Factorization, _) => map(shape.len(), 1),
-        Shape::Scalar | Shape::Record(..) => format!("Structured{{{name}}}"),
+        Shape::Scalar => format!("*static_cast<const real *>({name})"),
+        Shape::Record(..) => format!("Structured{{{name}}}"),
     }
 }
 
@@ -98,23 +92,12 @@ fn call(robot: &Emitted, call: &Call) -> String {
     if let Some(link) = call.link {
         passed.push(format!("static_cast<Ours::Link>({link})"));
     }
-    let of_flags = arguments.iter().filter(|(_, shape)| !shape.is_empty());
-    let flags =
-        of_flags.enumerate().find(|(_, (argument, _))| argument.kind == ArgumentKind::Contacts);
-    let mut text = flags.map_or(String::new(), |(i, (_, shape))| {
-        format!(
-            "if (nan_among(a{i}, {})) {{\n            \
-             for (int i = 0; i < {}; ++i) m[i + 1] = std::numeric_limits<real>::quiet_NaN();\n        }} else {{\n        ",
-            shape.len(),
-            call.expected.len()
-        )
-    });
-    text += "Eigen::internal::set_is_malloc_allowed(false);\n        ";
+    let mut text = String::from("Eigen::internal::set_is_malloc_allowed(false);\n        ");
     let _ =
-        write!(text, "const auto r = Ours::{}({});\n        ", call.function, passed.join(", "));
+        write!(text, "auto r = Ours::{}({});\n        ", call.function, passed.join(", "));
     text += "Eigen::internal::set_is_malloc_allowed(true);\n        \
-             *static_cast<std::remove_const_t<decltype(r)> *>(x) = r;";
-    text + if flags.is_some() { "\n        }" } else { "" }
+             *static_cast<decltype(r) *>(x) = r;";
+    text
 }
 
 impl BackEnd for Cpp {
@@ -130,6 +113,10 @@ impl BackEnd for Cpp {
 
     fn arithmetic(&self) -> Arithmetic {
         Arithmetic::Separate
+    }
+
+    fn has_numbers_of_contacts(&self) -> bool {
+        false
     }
 
     fn make(&self, builder: &Builder) -> Result<Emitted, Diagnostics> {

@@ -402,6 +402,11 @@ pub trait BackEnd {
         true
     }
 
+    /// Returns whether a set of contacts is numbers, which may be NaN; else it is booleans.
+    fn has_numbers_of_contacts(&self) -> bool {
+        true
+    }
+
     /// Makes the robot.
     ///
     /// # Errors
@@ -551,9 +556,11 @@ fn calls_of<B: BackEnd>(
                 // numbers are errors in Python.
                 let mut given = planned.arguments.iter().filter(|(_, shape)| !shape.is_empty());
                 let has_flags = given.any(|(argument, _)| argument.name == "contacts");
-                let can_be_special = |name: &str| match has_flags && state == STATES - 1 {
-                    true => name == "contacts",
-                    false => !["settings", "step_settings", "dt", "uniforms"].contains(&name),
+                let of_numbers = back_end.has_numbers_of_contacts();
+                let can_be_special = |name: &str| match name {
+                    "contacts" if !of_numbers => false,
+                    _ if has_flags && of_numbers && state == STATES - 1 => name == "contacts",
+                    _ => !["settings", "step_settings", "dt", "uniforms"].contains(&name),
                 };
                 let mut ordinary: Vec<&mut f64> = (planned.arguments.iter())
                     .zip(&mut arguments)
