@@ -108,15 +108,15 @@ impl CTypes {
         }
         let _ = writeln!(text, "typedef struct {prefix}_{name} {{");
         for (field, shape) in fields.nonempty() {
-            let docs = docs_of_field(&name, field);
-            let docs = docs.map_or(String::new(), |docs| format!(" /* {docs} */"));
+            let docs =
+                docs_of_field(&name, field).map_or(String::new(), |docs| format!(" /* {docs} */"));
             let _ = writeln!(text, "    {};{docs}", self.field(field, shape));
         }
-        let count = shape_of(fields).len();
+        let is_array =
+            format!("sizeof({prefix}_{name}_t) == {} * sizeof({number})", shape_of(fields).len());
         let _ = writeln!(
             text,
-            "}} {prefix}_{name}_t;\n\
-             typedef char {prefix}_{name}_is_an_array[sizeof({prefix}_{name}_t) == {count} * sizeof({number}) ? 1 : -1];\n"
+            "}} {prefix}_{name}_t;\ntypedef char {prefix}_{name}_is_an_array[{is_array} ? 1 : -1];\n"
         );
         self.defined.push(name);
         text

@@ -22,8 +22,8 @@ pub(super) fn all_names(model: &Model) -> Vec<Named> {
     let frames = model.frames().iter().map(|frame| frame.name.to_string());
     let loops = model.loop_constraints().iter().map(|constraint| constraint.name.to_string());
     let contacts = model.contacts().iter().map(|contact| contact.name.to_string());
-    let shapes = model.touching_shapes();
-    let shapes = shapes.iter().map(|shape| shape.name.to_string());
+    let touching = model.touching_shapes();
+    let shapes = touching.iter().map(|shape| shape.name.to_string());
     let controls = model.control_names().into_iter().map(str::to_owned);
     let activations = model.activation_names().into_iter().map(str::to_owned);
     let velocities = "The entries of `qd`, and of accelerations and joint forces";
@@ -59,10 +59,9 @@ pub(super) fn name_tables(model: &Model, prefix: &str) -> NameTables {
     };
     for Named { kind, names, .. } in all_names(model) {
         let table = format!("const char *const {prefix}_{kind}_names[{}]", names.len());
-        let texts: String = names.iter().map(|name| format!("    {},\n", text(name))).collect();
-        let texts = texts.trim_end_matches(",\n");
+        let texts: Vec<String> = names.iter().map(|name| format!("    {}", text(name))).collect();
         let _ = writeln!(tables.declarations, "extern {table};");
-        let _ = writeln!(tables.definitions, "{table} = {{\n{texts}\n}};\n");
+        let _ = writeln!(tables.definitions, "{table} = {{\n{}\n}};\n", texts.join(",\n"));
     }
     tables.declarations.push('\n');
     tables
@@ -110,8 +109,8 @@ impl Named {
         let Self { kind, docs, names } = self;
         let upper = format!("{prefix}_{kind}").to_uppercase();
         let constants = self.identifiers(&[]);
-        let rows = constants.iter().zip(names).enumerate();
-        let rows: String = rows
+        let named = constants.iter().zip(names).enumerate();
+        let rows: String = named
             .map(|(i, (constant, name))| {
                 let comma = if i + 1 < names.len() { "," } else { "" };
                 format!(

@@ -32,7 +32,7 @@ impl Backend for Cpp {
     }
 }
 
-/// The keywords and words of C++ that names in snake case may be, without those of Rust.
+/// The keywords and words of C++ that are names in snake case, and no keywords of Rust.
 const WORDS: [&str; 63] = [
     "alignas",
     "alignof",
@@ -129,53 +129,28 @@ impl Class {
             self.function(item);
         }
         self.default_settings();
-        let Self { name, prefix, text, .. } = &self;
-        let guard = format!("{}_HPP", prefix.to_uppercase());
-        let upper = prefix.to_uppercase();
-        let scalar = robot.options.scalar.in_c();
-        format!(
-            "/* Dynamics of a robot, compiled by modyn: C++17 over {stem}.h, with Eigen 3.3 or later. */\n\
-             #ifndef {guard}\n#define {guard}\n\n\
-             #include <array>\n#include <cstddef>\n\n#include <Eigen/Core>\n\n#include \"{stem}.h\"\n\n\
-             /// The dynamics of the robot. SI units, radians; gravity {gravity:?} m/s^2 in world axes.\n\
-             ///\n\
-             /// Vectors are in the order of the description's joints, depth first. Quaternions are x, y, z, w. Twists and the\n\
-             /// columns of Jacobians are angular, then linear; wrenches are the moment, then the force. The velocity of a floating\n\
-             /// joint is linear, then angular, in the axes of its link. No function allocates memory or throws.\n\
-             class {name} {{\npublic:\n    \
-             using Scalar = {scalar};\n    \
-             /// The number of coordinates.\n    static constexpr int nq = {upper}_NQ;\n    \
-             /// The number of velocities: the degrees of freedom.\n    static constexpr int nv = {upper}_NV;\n    \
-             /// The number of links.\n    static constexpr int links = {upper}_LINKS;\n\n    \
-             template <int Rows, int Columns>\n    \
-             using Matrix = Eigen::Matrix<Scalar, Rows, Columns, Eigen::DontAlign | (Rows == 1 && Columns != 1 ? Eigen::RowMajor : Eigen::ColMajor)>;\n    \
-             template <int Size>\n    using Vector = Matrix<Size, 1>;\n    \
-             using Rotation = Eigen::Matrix<Scalar, 3, 3, Eigen::DontAlign | Eigen::RowMajor>;\n    \
-             /// An argument: a vector, a map, a segment or an expression of this size.\n    \
-             template <int Size>\n    using VectorRef = Eigen::Ref<const Vector<Size>>;\n    \
-             template <int Rows, int Columns>\n    \
-             using MatrixRef = Eigen::Ref<const Matrix<Rows, Columns>, 0, Eigen::Stride<0, 0>>;\n\n\
-             {text}\
-             private:\n    template <std::size_t Size>\n    \
-             static Vector<static_cast<int>(Size)> numbers(const std::array<bool, Size> &set) noexcept {{\n        \
-             Vector<static_cast<int>(Size)> result;\n        \
-             for (std::size_t i = 0; i < Size; ++i) result[static_cast<int>(i)] = set[i] ? Scalar(1) : Scalar(0);\n        \
-             return result;\n    }}\n}};\n\n#endif\n",
-            stem = robot.stem,
-            gravity = robot.model.gravity(),
-        )
+        let gravity = format!("{:?}", robot.model.gravity());
+        let words = [
+            ("STEM", robot.stem),
+            ("UPPER", &self.prefix.to_uppercase()),
+            ("GRAVITY", &gravity),
+            ("CLASS", &self.name),
+            ("REAL", robot.options.scalar.in_c()),
+            ("MEMBERS", &self.text),
+        ];
+        let head = include_str!("class.hpp").to_owned();
+        words.iter().fold(head, |text, (word, value)| text.replace(word, value))
     }
 
-    /// Prints the enumerations. Those of entries of arrays are numbers.
+    /// Prints the enumerations. The entries of arrays are numbers.
     fn enumerations(&mut self, robot: &PlannedRobot<'_>) {
         for named in all_names(robot.model) {
             let upper = format!("{}_{}", self.prefix, named.kind).to_uppercase();
             let of_c = named.identifiers(&[]);
-            let rows = named.identifiers(&WORDS).into_iter().zip(of_c);
-            let rows: Vec<String> = rows
-                .map(|(name, of_c)| format!("{name} = {upper}_{}", of_c.to_uppercase()))
+            let names = named.identifiers(&WORDS).into_iter().zip(of_c);
+            let rows: Vec<String> = names
+                .map(|(name, of_c)| format!("        {name} = {upper}_{}", of_c.to_uppercase()))
                 .collect();
-            let rows = rows.join(",\n        ");
             let kind = capitalized(named.kind);
             let (head, end) = match named.kind {
                 "link" => (format!("enum class {kind} : unsigned {{"), "};"),
@@ -183,8 +158,9 @@ impl Class {
             };
             let _ = writeln!(
                 self.text,
-                "    /// {}.\n    {head}\n        {rows}\n    {end}\n",
-                named.docs
+                "    /// {}.\n    {head}\n{}\n    {end}\n",
+                named.docs,
+                rows.join(",\n")
             );
         }
     }
@@ -218,12 +194,12 @@ impl Class {
             let arguments: Vec<Passed> = parameters.chain(link).collect();
             let declared: Vec<&str> = arguments.iter().map(|a| &*a.declared).collect();
             let passed: String = arguments.iter().map(|a| format!("{}, ", a.passed)).collect();
-            let name = &item.name;
+            let head = format!("static {result} {method}({})", declared.join(", "));
+            let call = format!("{}{with}({passed}{out});", item.name);
             let _ = writeln!(
                 self.text,
-                "    /// {docs}\n    static {result} {method}({}) noexcept {{\n        {result} out;\n        \
-                 {name}{with}({passed}{out});\n        return out;\n    }}\n",
-                declared.join(", ")
+                "    /// {docs}\n    {head} noexcept {{\n        {result} out;\n        {call}\n        \
+                 return out;\n    }}\n"
             );
         }
     }
@@ -255,17 +231,17 @@ impl Class {
             self.define(field);
         }
         let record = fields.name();
-        let docs = match &*record {
-            "pose" => Some("A pose: the rotation, and the translation, m."),
-            record => docs_of_record(record),
-        };
-        if let Some(docs) = docs {
-            let _ = writeln!(self.text, "    /// {docs}");
+        match docs_of_record(&record) {
+            _ if record == "pose" => {
+                self.text += "    /// A pose: the rotation, and the translation, m.\n"
+            }
+            Some(docs) => self.text += &format!("    /// {docs}\n"),
+            None => {}
         }
         let _ = writeln!(self.text, "    struct {name} {{");
         for (field, shape) in fields.nonempty() {
-            let docs = docs_of_field(&record, field);
-            let docs = docs.map_or(String::new(), |docs| format!(" // {docs}"));
+            let docs =
+                docs_of_field(&record, field).map_or(String::new(), |docs| format!(" // {docs}"));
             let _ = writeln!(self.text, "        {} {field};{docs}", self.type_of(shape));
         }
         let of_c = format!("{}_{record}_t", self.prefix);
@@ -276,7 +252,7 @@ impl Class {
         self.defined.push(name);
     }
 
-    /// Returns a pointer to structs of the class as one to those of C.
+    /// Returns a pointer to structs of the class as a pointer to structs of C.
     fn in_c(&self, qualifier: &str, fields: Fields<'_>, pointer: &str) -> String {
         let prefix = &self.prefix;
         format!("reinterpret_cast<{qualifier}{prefix}_{}_t *>({pointer})", fields.name())
@@ -306,25 +282,25 @@ impl Class {
     fn passed(&self, parameter: &Parameter) -> Passed {
         let Parameter { array, shape, kind } = parameter;
         let name = &array.name;
-        let own = self.type_of(shape);
+        let class_type = self.type_of(shape);
         match (CType::new(shape), shape) {
             _ if *kind == Some(ArgumentKind::Contacts) => Passed {
                 declared: format!("const std::array<bool, {}> &{name}", shape.len()),
                 passed: format!("numbers({name}).data()"),
             },
             (CType::Struct(fields), _) => Passed {
-                declared: format!("const {own} &{name}"),
+                declared: format!("const {class_type} &{name}"),
                 passed: self.in_c("const ", fields, &format!("&{name}")),
             },
             (CType::Structs(fields, _), _) => Passed {
-                declared: format!("const {own} &{name}"),
+                declared: format!("const {class_type} &{name}"),
                 passed: self.in_c("const ", fields, &format!("{name}.data()")),
             },
             (_, Shape::Scalar) => {
                 Passed { declared: format!("Scalar {name}"), passed: format!("&{name}") }
             }
             _ => Passed {
-                declared: format!("const {} &{name}", own.replacen('<', "Ref<", 1)),
+                declared: format!("const {} &{name}", class_type.replacen('<', "Ref<", 1)),
                 passed: format!("{name}.data()"),
             },
         }

@@ -167,6 +167,7 @@ impl Printer {
         let upper = self.prefix.to_uppercase();
         let prefix = self.prefix.clone();
         self.constants(plan, model, &upper);
+        self.tables(plan, model);
         let items = items(plan, &prefix);
         if items.iter().any(|item| !item.programs.are_one()) {
             self.placements(&plan.frames);
@@ -192,10 +193,10 @@ impl Printer {
         format!(
             "/* Dynamics of a robot, compiled by modyn. SI units, radians; gravity {:?} m/s^2 in world axes.\n   \
              Vectors are in the order of the description's joints, depth first. Matrices are arrays of columns;\n   \
-             `rotation[i][j]` of a pose is in row i and column j. Quaternions are x, y, z, w. Twists are angular, then\n   \
-             linear; wrenches are the moment, then the force. The velocity of a floating joint is linear, then\n   \
-             angular, in the axes of its link. A struct has only numbers, and can be read as an array of them.\n   \
-             Results must not overlap arguments. {notes}*/\n\
+             `rotation[i][j]` of a pose is in row i and column j. Quaternions are x, y, z, w. Twists are\n   \
+             angular, then linear; wrenches are the moment, then the force. The velocity of a floating joint is\n   \
+             linear, then angular, in the axes of its link. A struct has only numbers, and can be read as an\n   \
+             array of them. Results must not overlap arguments. {notes}*/\n\
              #ifndef {upper}_H\n#define {upper}_H\n\n\
              #ifdef __cplusplus\nextern \"C\" {{\n#endif\n\n{}\
              #ifdef __cplusplus\n}}\n#endif\n\n#endif\n",
@@ -218,16 +219,6 @@ impl Printer {
             let _ = writeln!(self.header, "/* {docs} */\n#define {upper}_{name} {value}");
         }
         self.header += &indices(model, &self.prefix);
-        let tables = name_tables(model, &self.prefix);
-        self.header += &tables.declarations;
-        self.source += &tables.definitions;
-        for name in [ArgumentKind::Settings, ArgumentKind::StepSettings] {
-            let functions = &plan.functions;
-            let mut arguments = functions.iter().flat_map(|planned| &planned.arguments);
-            if let Some((_, shape)) = arguments.find(|(argument, _)| argument.kind == name) {
-                self.default_settings(name, shape, model);
-            }
-        }
         if plan.parameters.is_empty() {
             return;
         }
@@ -255,6 +246,19 @@ impl Printer {
         );
     }
 
+    /// Prints the names of the description, and the settings by default.
+    fn tables(&mut self, plan: &Plan, model: &Model) {
+        let tables = name_tables(model, &self.prefix);
+        self.header += &tables.declarations;
+        self.source += &tables.definitions;
+        for kind in [ArgumentKind::Settings, ArgumentKind::StepSettings] {
+            let mut arguments = plan.functions.iter().flat_map(|planned| &planned.arguments);
+            if let Some((_, shape)) = arguments.find(|(argument, _)| argument.kind == kind) {
+                self.default_settings(kind, shape, model);
+            }
+        }
+    }
+
     /// Prints the settings by the description.
     fn default_settings(&mut self, kind: ArgumentKind, shape: &Shape, model: &Model) {
         self.header += &self.types.definitions(shape);
@@ -279,8 +283,8 @@ impl Printer {
             }
         };
         let mut numbers = numbers.into_iter().map(|x| literal(x, self.float));
-        let settings = self.parameter(&format!("{}_default_{name}_settings", self.prefix), shape);
-        let settings = settings.replace('*', "");
+        let variable = format!("{}_default_{name}_settings", self.prefix);
+        let settings = self.parameter(&variable, shape).replace('*', "");
         let _ = writeln!(self.header, "/* {docs} */\nextern const {settings};\n");
         let _ = writeln!(self.source, "const {settings} = {};\n", value(shape, &mut numbers));
     }

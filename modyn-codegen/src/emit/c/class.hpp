@@ -1,0 +1,48 @@
+/* Dynamics of a robot, compiled by modyn: C++17 over STEM.h, with Eigen 3.3 or later. */
+#ifndef UPPER_HPP
+#define UPPER_HPP
+
+#include <array>
+#include <cstddef>
+
+#include <Eigen/Core>
+
+#include "STEM.h"
+
+/// The dynamics of the robot. SI units, radians; gravity GRAVITY m/s^2 in world axes.
+///
+/// Vectors are in the order of the description's joints, depth first. Quaternions are x, y, z, w. Twists and the
+/// columns of Jacobians are angular, then linear; wrenches are the moment, then the force. The velocity of a
+/// floating joint is linear, then angular, in the axes of its link. No function allocates memory or throws.
+class CLASS {
+public:
+    using Scalar = REAL;
+    /// The number of coordinates.
+    static constexpr int nq = UPPER_NQ;
+    /// The number of velocities: the degrees of freedom.
+    static constexpr int nv = UPPER_NV;
+    /// The number of links.
+    static constexpr int links = UPPER_LINKS;
+
+    template <int Rows, int Columns>
+    using Matrix = Eigen::Matrix<Scalar, Rows, Columns,
+                                 Eigen::DontAlign | (Rows == 1 && Columns != 1 ? Eigen::RowMajor : Eigen::ColMajor)>;
+    template <int Size>
+    using Vector = Matrix<Size, 1>;
+    using Rotation = Eigen::Matrix<Scalar, 3, 3, Eigen::DontAlign | Eigen::RowMajor>;
+    /// An argument: a vector, a map, a segment or an expression of this size.
+    template <int Size>
+    using VectorRef = Eigen::Ref<const Vector<Size>>;
+    template <int Rows, int Columns>
+    using MatrixRef = Eigen::Ref<const Matrix<Rows, Columns>, 0, Eigen::Stride<0, 0>>;
+
+MEMBERSprivate:
+    template <std::size_t Size>
+    static Vector<static_cast<int>(Size)> numbers(const std::array<bool, Size> &set) noexcept {
+        Vector<static_cast<int>(Size)> result;
+        for (std::size_t i = 0; i < Size; ++i) result[static_cast<int>(i)] = set[i] ? Scalar(1) : Scalar(0);
+        return result;
+    }
+};
+
+#endif
