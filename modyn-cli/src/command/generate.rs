@@ -1,4 +1,4 @@
-//! `modyn generate`: writes a robot's dynamics as Rust, C, CUDA, WGSL, C for CasADi, MATLAB or
+//! `modyn generate`: writes a robot's dynamics as Rust, C, C++, CUDA, WGSL, C for CasADi, MATLAB or
 //! machine code, and a header for Rust functions that C calls.
 
 use std::path::{Path, PathBuf};
@@ -25,7 +25,7 @@ use modyn_codegen::output::{Replaces, has_content};
 const STALE: &str = "stale: it is missing or was edited, or the description, an option or modyn has changed; \
                      generate it again without `--check`";
 
-/// Compile a description to Rust, C, CUDA, WGSL, C for CasADi, MATLAB or machine code
+/// Compile a description to Rust, C, C++, CUDA, WGSL, C for CasADi, MATLAB or machine code
 ///
 /// The exit code is 0 if the file was written (with `--check`, if it is up to date), 1 if the
 /// description is rejected (with `--check`, if the file is stale), 2 if an option or a file is
@@ -39,8 +39,8 @@ pub struct Arguments {
     /// it is stale
     #[arg(long, requires = "output")]
     check: bool,
-    /// The language: Rust; C99 that needs `<math.h>` only, FILE.c with its header FILE.h; kernels
-    /// for graphics processors, CUDA C++ or WGSL, with a thread for each state; C99 for
+    /// The language: Rust; C99 that needs `<math.h>` only, FILE.c with its header FILE.h; C++17 with
+    /// Eigen, FILE.hpp with the two files of C that it calls; kernels for graphics processors, CUDA C++ or WGSL, with a thread for each state; C99 for
     /// `casadi.external`, one file with all derivatives; MATLAB (and GNU Octave), the folder of a
     /// package, +FILE; or an object file of x86-64 machine code, FILE.o (or a static library,
     /// FILE.a) with a C header FILE.h and a Rust text FILE.rs that calls it
