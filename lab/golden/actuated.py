@@ -1,4 +1,4 @@
-"""Steps of MuJoCo under controls, by both integrators: the robots of `floors.py` with the actuators of `actuators.py`.
+"""Steps of MuJoCo under controls, by each integrator: the robots of `floors.py` with the actuators of `actuators.py`.
 
 There are robots of each kind: with closed loops, with tendons and couplings, and with further free bodies. Of these, some are
 rigid bodies alone, one has a body that is fixed to it, and one has armature and damping.
@@ -17,6 +17,8 @@ STEP = 0.002
 KINDS = [*range(1, 6), *range(25, 28), *range(33, 41)]
 STATES = 4
 INTEGRATORS = ("Euler", "implicitfast")
+#: Robots of `floors.py` by `Euler` with the flag `eulerdamp` disabled.
+EXPLICIT = (2, 26, 34)
 
 
 def limited(rng, text):
@@ -45,7 +47,7 @@ def bodies(rng, k):
     return f"<body><freejoint/>{geom(0)}</body><body>{joint}{geom(1)}{inner}</body>"
 
 
-def scene(rng, k, kind, integrator):
+def scene(rng, k, kind, integrator, flags=""):
     text, joints = limited(rng, floors.scene(rng, kind))
     maker = actuators.Maker(rng, joints, ["t0", "t1"] if "<tendon>" in text else [])
     head = f'<option integrator="{integrator}" actuatorgroupdisable="{rng.integers(1, 4)}" '
@@ -53,6 +55,8 @@ def scene(rng, k, kind, integrator):
     if rng.random() < 0.2:
         flag = '<flag clampctrl="disable" '
         text = text.replace("<flag ", flag) if "<flag " in text else text.replace("</option>", flag + "/></option>")
+    if flags:
+        text = text.replace("<flag ", f"<flag {flags} ") if "<flag " in text else text.replace("</option>", f"<flag {flags}/></option>")
     others = bodies(rng, k) if k % 3 == 0 else ""
     text = text.replace("</worldbody>", others + "</worldbody>")
     return text.replace("</mujoco>", f"<actuator>{maker.section()}</actuator></mujoco>")
@@ -86,8 +90,8 @@ def place(rng, model, data):
     data.ctrl[:], data.act[:] = 2 * rng.normal(size=model.nu), rng.normal(size=model.na)
 
 
-def robot(rng, k, kind, integrator):
-    text = scene(rng, k, kind, integrator)
+def robot(rng, k, kind, integrator, flags=""):
+    text = scene(rng, k, kind, integrator, flags)
     model = mujoco.MjModel.from_xml_string(text)
     data = mujoco.MjData(model)
     model.opt.timestep, model.opt.tolerance, model.opt.ls_tolerance = STEP, 0.0, 1e-12
@@ -112,4 +116,5 @@ def robot(rng, k, kind, integrator):
 
 def make(_root):
     rng = numpy.random.default_rng(17)
-    return [robot(rng, k, kind, INTEGRATORS[k % 2]) for k, kind in enumerate(KINDS)]
+    implicit = [robot(rng, k, kind, INTEGRATORS[k % 2]) for k, kind in enumerate(KINDS)]
+    return implicit + [robot(rng, k, kind, "Euler", 'eulerdamp="disable"') for k, kind in enumerate(EXPLICIT)]

@@ -338,10 +338,10 @@ def test_collisions_of_a_urdf_touch_the_ground(seed):
     assert touching > 10
 
 
-@pytest.mark.parametrize("scene", range(16))
+@pytest.mark.parametrize("scene", range(19))
 @pytest.mark.filterwarnings("ignore:.*in `step`")
 def test_motions_under_controls(scene):
-    """Motions of 50 steps of random robots over planes with actuators of all kinds, by both integrators. Each step starts from
+    """Motions of 50 steps of random robots over planes with actuators of all kinds, by each integrator. Each step starts from
     the accelerations and the activations of the last one."""
     case = json.loads((GOLDEN / "actuated.json").read_text())[scene]
     robot = modyn.loads(case["mjcf"], file="floor.xml", unread_forces="warn", mimic="independent")

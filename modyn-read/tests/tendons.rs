@@ -188,8 +188,18 @@ fn integrators_with_other_steps_are_said() {
         assert_eq!(warning.is_some(), expected.is_some(), "{name}: {warning:?}");
         assert!(warning.is_none_or(|text| text.contains(expected.unwrap_or_default())), "{name}");
     }
-    let default = tied("", &options).expect("an MJCF");
-    assert_eq!(default.model.soft_constraints().integrator, Integrator::Euler);
+    let explicit = r#"<flag eulerdamp="disable"/>"#;
+    for (options_of_steps, integrator) in [
+        (String::new(), Integrator::Euler),
+        (format!("<option>{explicit}</option>"), Integrator::ExplicitEuler),
+        (
+            format!("<option integrator=\"implicitfast\">{explicit}</option>"),
+            Integrator::ImplicitFast,
+        ),
+    ] {
+        let reading = tied(&options_of_steps, &options).expect("an MJCF");
+        assert_eq!(reading.model.soft_constraints().integrator, integrator, "{options_of_steps}");
+    }
 }
 
 /// Options of MuJoCo's solver that lead to other steps have a warning each, where they have an effect.
@@ -201,7 +211,6 @@ fn options_with_other_steps_are_said() {
     };
     for (option, name) in [
         (r#"<option noslip_iterations="4"/>"#, "noslip_iterations"),
-        (r#"<option><flag eulerdamp="disable"/></option>"#, "eulerdamp"),
         (r#"<option><flag refsafe="disable"/></option>"#, "refsafe"),
         (r#"<option><flag diagexact="enable"/></option>"#, "diagexact"),
         (r#"<option><flag ipc="enable"/></option>"#, "ipc"),
@@ -209,7 +218,7 @@ fn options_with_other_steps_are_said() {
         let expected = format!("`{name}` changes the steps of MuJoCo, and not `step`");
         assert_eq!(warnings(option), [expected], "{option}");
     }
-    let flags = r#"eulerdamp="enable" refsafe="enable" diagexact="disable" ipc="disable""#;
+    let flags = r#"refsafe="enable" diagexact="disable" ipc="disable""#;
     let none = format!("<option noslip_iterations=\"0\"><flag {flags}/></option>");
     assert_eq!(warnings(&none), [""; 0]);
 }

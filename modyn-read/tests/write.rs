@@ -12,8 +12,8 @@ use modyn_read::{
     Base, Contact, Format, Ground, LoopEnd, ReadOptions, joints_without_inertia, read, write,
 };
 use modyn_runtime::model::{
-    Contact as ModelContact, ContactKind, Keyframe, LoopConstraint, LoopConstraintEnd,
-    LoopConstraintKind, Model, TouchingShape,
+    Contact as ModelContact, ContactKind, Integrator, Keyframe, LoopConstraint, LoopConstraintEnd,
+    LoopConstraintKind, Model, SoftConstraints, TouchingShape,
 };
 use modyn_runtime::quantities::{Function, Sizes};
 use modyn_runtime::{Interpreter, Pose};
@@ -221,6 +221,13 @@ fn shapes_that_touch_the_ground_are_written() {
     assert_eq!(read_again.keys().collect::<Vec<_>>(), shapes.keys().collect::<Vec<_>>());
     for (name, numbers) in &shapes {
         assert_close(&format!("{name:?}"), numbers, &read_again[name]);
+    }
+    for integrator in [Integrator::Euler, Integrator::ImplicitFast, Integrator::ExplicitEuler] {
+        let soft = SoftConstraints { integrator, ..model.soft_constraints().clone() };
+        let changed = model.clone().with_soft_constraints(soft).expect("the same shapes");
+        let written = write(&changed, Format::Mjcf).expect("an MJCF");
+        let again = read(&written.text, "r.xml", &ReadOptions::default()).expect("an MJCF").model;
+        assert_eq!(again.soft_constraints().integrator, integrator);
     }
     // A URDF has the shapes, and the option has the ground.
     let written = write(&model, Format::Urdf).expect("a URDF");

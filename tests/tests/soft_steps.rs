@@ -251,7 +251,7 @@ fn steps_on_a_floor_are_those_of_mujoco() {
     }
 }
 
-/// The same robots with actuators of all kinds and with further free bodies, by both integrators.
+/// The same robots with actuators of all kinds and with further free bodies, by each integrator.
 #[test]
 fn steps_under_controls_are_those_of_mujoco() {
     for (k, (model, file)) in floors("actuated.json").iter().enumerate() {

@@ -40,10 +40,11 @@ pub struct Arguments {
     #[arg(long, requires = "output")]
     check: bool,
     /// The language: Rust; C99 that needs `<math.h>` only, FILE.c with its header FILE.h; C++17 with
-    /// Eigen, FILE.hpp with the two files of C that it calls; kernels for graphics processors, CUDA C++ or WGSL, with a thread for each state; C99 for
-    /// `casadi.external`, one file with all derivatives; MATLAB (and GNU Octave), the folder of a
-    /// package, +FILE; or an object file of x86-64 machine code, FILE.o (or a static library,
-    /// FILE.a) with a C header FILE.h and a Rust text FILE.rs that calls it
+    /// Eigen, FILE.hpp with the two files of C that it calls; kernels for graphics processors, CUDA
+    /// C++ or WGSL, with a thread for each state; C99 for `casadi.external`, one file with all
+    /// derivatives; MATLAB (and GNU Octave), the folder of a package, +FILE; or an object file of
+    /// x86-64 machine code, FILE.o (or a static library, FILE.a) with a C header FILE.h and a Rust
+    /// text FILE.rs that calls it
     #[arg(long, value_enum, default_value_t)]
     target: Output,
     /// Write the header of the functions for C; without `--c-functions` their prefix is the robot's

@@ -10,7 +10,8 @@ use modyn_runtime::conventions::{
 };
 use modyn_runtime::joint::{JointType, planar};
 use modyn_runtime::model::{
-    Cone, Frame, Inertial, Joint, JointDynamics, LoopConstraintEnd, LoopConstraintKind, Model,
+    Cone, Frame, Inertial, Integrator, Joint, JointDynamics, LoopConstraintEnd, LoopConstraintKind,
+    Model,
 };
 use modyn_runtime::spatial::Pose;
 
@@ -125,9 +126,16 @@ impl Writer<'_> {
         if soft.cone == Cone::Elliptic {
             option = option.with("cone", "elliptic");
         }
-        match soft.impratio {
-            Some(impratio) => option.numbers("impratio", &[impratio]),
-            None => option,
+        if let Some(impratio) = soft.impratio {
+            option = option.numbers("impratio", &[impratio]);
+        }
+        match soft.integrator {
+            Integrator::Euler => option,
+            Integrator::ImplicitFast => option.with("integrator", "implicitfast"),
+            Integrator::ExplicitEuler => {
+                option.children.push(Element::new("flag").with("eulerdamp", "disable"));
+                option
+            }
         }
     }
 

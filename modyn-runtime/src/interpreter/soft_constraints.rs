@@ -357,7 +357,7 @@ fn coupled_dampers(
     mechanism: &Mechanism<f64>,
     tendons: &[TendonParameters<f64>],
 ) -> Vec<Vec<usize>> {
-    if model.soft_constraints().integrator == Integrator::Euler {
+    if model.soft_constraints().integrator != Integrator::ImplicitFast {
         return Vec::new();
     }
     let damped = tendons.iter().filter(|tendon| tendon.damping.is_some());
@@ -371,7 +371,7 @@ fn coupled_dampers(
 /// Returns the bodies whose rotation is implicit: by `implicitfast`, bodies that are free and carry
 /// no joint.
 fn free_bodies(model: &Model, mechanism: &Mechanism<f64>) -> Vec<usize> {
-    if model.soft_constraints().integrator == Integrator::Euler {
+    if model.soft_constraints().integrator != Integrator::ImplicitFast {
         return Vec::new();
     }
     let links = model.links().iter().enumerate().filter(|(i, link)| {

@@ -49,6 +49,8 @@ pub struct Settings<'e> {
     pub limits: bool,
     /// The integrator, and the place of its name; `None`: MuJoCo's default, `Euler`.
     pub integrator: Option<&'e Attribute>,
+    /// Whether the dampers of joints are implicit by `Euler`.
+    pub implicit_euler: bool,
     /// The options that change MuJoCo's steps, and have no effect in `step`.
     pub ignored: Vec<&'e Attribute>,
     /// What replaces the parameters of all contacts.
@@ -57,8 +59,8 @@ pub struct Settings<'e> {
 
 /// The switches that change MuJoCo's steps and have no effect in `step`, each with its position in
 /// which it does.
-const IGNORED_SWITCHES: [(&str, &str); 4] =
-    [("eulerdamp", "disable"), ("refsafe", "disable"), ("diagexact", "enable"), ("ipc", "enable")];
+const IGNORED_SWITCHES: [(&str, &str); 3] =
+    [("refsafe", "disable"), ("diagexact", "enable"), ("ipc", "enable")];
 
 /// The parameters that all contacts have instead of their own, in the order of their attributes.
 #[derive(Clone, Copy)]
@@ -197,6 +199,7 @@ impl<'e> Settings<'e> {
             contacts: !disabled("contact") && !disabled("constraint"),
             limits: !disabled("limit") && !disabled("constraint"),
             integrator: last("option", "integrator"),
+            implicit_euler: !disabled("eulerdamp"),
             ignored: noslip
                 .into_iter()
                 .chain(ignored.filter_map(|(name, _)| switch(name)))

@@ -13,15 +13,17 @@ use super::contact_law::{Carrier, Contact, Geom, Law, Pair, is_anisotropic, powe
 use super::element::Attribute;
 use super::geoms;
 use super::item::Item;
+use super::settings::Settings;
 use crate::description::{self, ReadOptions, TakenNames, contact_plane};
 use crate::diagnostics::{Code, Place};
 use crate::read::collision::{MAX_SHAPES, Touching};
 
-/// Returns the integrator of steps that is next to one of `MuJoCo`.
-fn integrator(attribute: &Attribute) -> Integrator {
-    match attribute.value.as_str() {
-        "implicitfast" | "implicit" => Integrator::ImplicitFast,
-        _ => Integrator::Euler,
+/// Returns the integrator of steps that is next to the integrator of `MuJoCo`.
+fn integrator(settings: &Settings<'_>) -> Integrator {
+    match settings.integrator.map(|attribute| attribute.value.as_str()) {
+        Some("implicitfast" | "implicit") => Integrator::ImplicitFast,
+        _ if settings.implicit_euler => Integrator::Euler,
+        _ => Integrator::ExplicitEuler,
     }
 }
 
@@ -72,7 +74,7 @@ impl<'e> Bodies<'e, '_, '_> {
         let settings = &self.models[0].settings;
         let mut soft = SoftConstraints {
             cone: settings.cone,
-            integrator: settings.integrator.map_or_else(Integrator::default, integrator),
+            integrator: integrator(settings),
             impratio: settings.impratio,
             joint_limits: settings.limits,
             joint_friction: true,

@@ -29,9 +29,13 @@ impl<S: Scalar> DampingMatrix<S> {
         Self { diagonal: vec![None; nv], coupled: Vec::new() }
     }
 
-    /// Returns the matrix of the dampers of joints, and by `implicitfast` of tendons.
+    /// Returns the matrix of the dampers of joints that act with the velocities after the step, and
+    /// by `implicitfast` of tendons.
     pub(super) fn of_step(soft: &SoftModel<S>, model: &Mechanism<S>) -> Self {
         let mut matrix = Self::zero(model.nv);
+        if soft.integrator == Integrator::ExplicitEuler {
+            return matrix;
+        }
         for dof in &model.dofs {
             if let Some(damping) = dof.damping {
                 let multiplier = dof.multiplier.unwrap_or_else(S::one);
