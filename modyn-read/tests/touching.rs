@@ -125,11 +125,14 @@ fn parameters_are_mixed() {
         (prior.friction, prior.solref, components),
         (0.2, [0.06, 2.0], ContactComponents::Torsional)
     );
-    // A pair has its own numbers, and the mixture for the others; its margin is the largest.
+    // A pair has its own numbers, and MuJoCo's defaults for the others.
     let pair = r#"<contact><pair geom1="ball" geom2="floor" friction="0.9 0.9 0.3" condim="6"/></contact>"#;
     let (own, components, _) = surface(given, pair);
-    assert_eq!((own.friction, own.torsional_friction, own.rolling_friction), (0.9, 0.3, 0.02));
-    assert!(close(&own.solref, &[0.03, 1.25]) && components == ContactComponents::Rolling);
+    assert_eq!((own.friction, own.torsional_friction, own.rolling_friction), (0.9, 0.3, 0.0001));
+    assert_eq!(
+        (own.solref, own.margin, components),
+        ([0.02, 1.0], 0.0, ContactComponents::Rolling)
+    );
     // The options replace all of them.
     let options = r#"<option cone="elliptic" impratio="7" o_margin="0.3" o_friction="2 2 3 4 4" o_solref="0.5 0.6">
         <flag override="enable" limit="disable"/></option>"#;

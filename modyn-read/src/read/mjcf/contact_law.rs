@@ -132,27 +132,28 @@ fn components(item: &Item, report: &mut Report<'_>) -> Option<ContactComponents>
     components
 }
 
-/// A pair of `<contact>`, by the names of its geoms, and its own parameters.
+/// A pair of `<contact>`, by the names of its geoms. `MuJoCo` does not mix the laws of its geoms: what
+/// a pair lacks is by default.
 pub struct Pair {
     geoms: [String; 2],
-    components: Option<ContactComponents>,
-    friction: Option<Vec<f64>>,
-    margin: Option<f64>,
-    reference: Option<Vec<f64>>,
-    impedance: Option<Vec<f64>>,
+    pub contact: Contact,
 }
 
 impl Pair {
     pub fn of(item: &Item, report: &mut Report<'_>) -> Self {
         let numbers = |name: &str| item.text(name).and_then(list);
         let name = |attribute| item.text(attribute).map(|name| item.naming.name(name));
+        let [sliding, spin, roll] = FRICTION;
+        let friction = [sliding, sliding, spin, roll, roll];
         Self {
             geoms: ["geom1", "geom2"].map(|attribute| name(attribute).unwrap_or_default()),
-            components: components(item, report),
-            friction: numbers("friction"),
-            margin: item.number("margin"),
-            reference: numbers("solref"),
-            impedance: numbers("solimp"),
+            contact: Contact {
+                components: components(item, report).unwrap_or_default(),
+                friction: isotropic(filled(numbers("friction").as_deref(), friction)),
+                margin: item.number("margin").unwrap_or(0.0),
+                reference: filled(numbers("solref").as_deref(), REFERENCE),
+                impedance: filled(numbers("solimp").as_deref(), IMPEDANCE),
+            },
         }
     }
 
@@ -161,21 +162,6 @@ impl Pair {
         let is = |name: &str, geom: &Geom| geom.item.name().as_deref() == Some(name);
         let [first, second] = &self.geoms;
         is(first, a) && is(second, b) || is(first, b) && is(second, a)
-    }
-
-    /// Returns the contact of the pair. A parameter that the pair lacks is mixed from the laws of its
-    /// geoms.
-    pub fn contact(&self, [a, b]: [&Law; 2]) -> Contact {
-        let mixed = a.mixed(b);
-        let [sliding, spin, roll] = mixed.friction;
-        let friction = filled(self.friction.as_deref(), [sliding, sliding, spin, roll, roll]);
-        Contact {
-            components: self.components.unwrap_or(mixed.components),
-            friction: isotropic(friction),
-            margin: self.margin.unwrap_or_else(|| a.contact.margin.max(b.contact.margin)),
-            reference: filled(self.reference.as_deref(), mixed.reference),
-            impedance: filled(self.impedance.as_deref(), mixed.impedance),
-        }
     }
 }
 

@@ -249,7 +249,7 @@ impl Rules {
     /// Returns the contact of two geoms; `None` if they do not touch.
     fn contact_of_geoms(&self, a: &Geom, b: &Geom) -> Option<Contact> {
         if let Some(pair) = self.pairs.iter().find(|pair| pair.is_of(a, b)) {
-            return Some(pair.contact([&a.law, &b.law]));
+            return Some(pair.contact);
         }
         let is_excluded = self.excludes([a, b].map(|geom| geom.carrier.body.clone()));
         (!is_excluded && a.law.touches(&b.law)).then(|| a.law.mixed(&b.law))
