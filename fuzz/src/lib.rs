@@ -5,7 +5,7 @@ pub mod vocabulary;
 
 use modyn_codegen::diagnostics::{Code, Diagnostics, Severity};
 use modyn_codegen::{
-    Base, Builder, Friction, Function, Ground, Mimic, ReadOptions, Reading, Rotor,
+    Base, Builder, Friction, Function, Ground, JointActuator, Mimic, ReadOptions, Reading, Rotor,
     joints_without_inertia,
 };
 
@@ -29,6 +29,11 @@ pub fn read_options(choice: u8) -> ReadOptions {
         unphysical_inertia: if flag(3) { Severity::Warning } else { Severity::Error },
         friction: flag(4).then_some(Friction::Smooth(0.1)),
         ground: flag(7).then(Ground::default),
+        actuators: if flag(6) {
+            vec![JointActuator::position("*", 20.0, 0.5).with_delay(2)]
+        } else {
+            Vec::new()
+        },
         rotors: if flag(5) {
             vec![Rotor { joint: "a".into(), inertia: 0.1, gear_ratio: 9.0 }]
         } else {

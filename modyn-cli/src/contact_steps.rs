@@ -46,18 +46,20 @@ pub struct Options {
     pub ground: Ground,
     /// What joint limits do.
     pub limits: Limits,
+    /// Whether the actuators act, with controls that are zero.
+    pub actuators: bool,
 }
 
 impl Options {
-    /// Returns the choices of a robot whose shapes touch a floor: its contacts and its joint limits
-    /// act. `None` for other robots, and for a robot whose contacts are named.
+    /// Returns the choices of a robot whose shapes touch a floor: its contacts, its joint limits and
+    /// its actuators act. `None` for other robots, and for a robot whose contacts are named.
     #[must_use]
     pub fn of_scene(model: &Model) -> Option<Self> {
         let is_scene = model.contacts().is_empty() && !model.touching_shapes().is_empty();
-        is_scene.then_some(Self { ground: Ground::Described, limits: Limits::Act })
+        is_scene.then_some(Self { ground: Ground::Described, limits: Limits::Act, actuators: true })
     }
 
-    /// Returns whether neither the ground nor limits act.
+    /// Returns whether neither the ground nor limits nor actuators act.
     #[must_use]
     pub fn is_none(self) -> bool {
         self == Self::default()
@@ -94,17 +96,17 @@ pub struct ContactSteps {
     actuators: Option<Actuators>,
 }
 
-/// The actuators of a scene, whose controls are zero, as MuJoCo starts.
+/// The actuators of a robot, whose controls are zero, as MuJoCo starts.
 struct Actuators {
     ctrl: Vec<f64>,
     act: Vec<f64>,
 }
 
 impl Actuators {
-    /// Returns the actuators of a model on the ground of its description; `None` if it has none.
+    /// Returns the actuators of a model if they act; `None` if it has none.
     fn of(model: &Model, options: Options) -> Option<Self> {
         let [controls, activations] = [model.control_names().len(), model.activation_names().len()];
-        let acts = options.ground == Ground::Described && controls > 0;
+        let acts = options.actuators && controls > 0;
         acts.then(|| Self { ctrl: vec![0.0; controls], act: vec![0.0; activations] })
     }
 }

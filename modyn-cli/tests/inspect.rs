@@ -44,6 +44,30 @@ fn lines_fit_a_hundred_columns() {
 }
 
 #[test]
+fn actuators_are_shown() {
+    let actuators =
+        ["left_slide: position(20, 0.5, effort = 3, saturation = 4, velocity = 2, delay = 2)"];
+    let start = ["inspect", "robots/mimic_gripper.urdf", "--actuators"];
+    let text = modyn(&[&start[..], &actuators].concat()).out;
+    let law = "20 ctrl - 20 x - 0.5 v; within -3 to 3; at most 4 (1 - v / 2); 2 steps late";
+    let words = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(words(&text).contains(law), "{text}");
+    assert!(text.lines().all(|line| line.chars().count() <= 100), "{text}");
+    let json = modyn(&[&start[..], &actuators, &["--json"]].concat()).json();
+    let actuator = &json["actuators"][0];
+    assert_eq!(
+        (&actuator["moves"], &actuator["gain"]),
+        (&"left_slide".into(), &[20.0, 0.0, 0.0][..].into())
+    );
+    assert_eq!(
+        (actuator["no_load_speed"].as_f64(), actuator["delay"].as_u64()),
+        (Some(2.0), Some(2))
+    );
+    let scene = "modyn-read/tests/good/extensions.urdf";
+    assert!(!modyn(&["inspect", scene]).out.contains("Actuators"));
+}
+
+#[test]
 fn json_and_terminal_have_the_same_content() {
     let found = modyn(&["inspect", "--json", "robots/mimic_gripper.urdf"]).json();
     assert_eq!(found["usable"], true);

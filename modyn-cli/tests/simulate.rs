@@ -432,6 +432,28 @@ fn collision_shapes_of_a_urdf_come_to_rest_on_the_ground() {
     assert_ne!(run(&point).out, motion.out);
 }
 
+/// The controls of actuators are zero: the servos pull the joints towards zero.
+#[test]
+fn actuators_of_the_option_act() {
+    let start =
+        ["simulate", "robots/double_pendulum.urdf", "--friction", "none", "--q", "0.9,-0.7"];
+    let end = |more: &[&str]| {
+        let run = modyn(&[&start[..], &["--time", "3"], more].concat());
+        assert_eq!(run.code, 0, "{}", run.err);
+        let (head, rows) = table(&run.out);
+        let last = rows.last().expect("a row").clone();
+        (head, last)
+    };
+    let (head, held) = end(&["--actuators", "*: position(40, 1)"]);
+    let joints: Vec<usize> = (0..head.len()).filter(|&k| head[k].ends_with("(rad)")).collect();
+    assert_eq!(joints.len(), 2, "{head:?}");
+    assert!(joints.iter().all(|&joint| held[joint].abs() < 0.05), "{held:?}");
+    let (_, weak) = end(&["--actuators", "*: position(40, 1, effort = 0.01)"]);
+    assert!(joints.iter().any(|&joint| weak[joint].abs() > 0.1), "{weak:?}");
+    let adaptive = ["--actuators", "*: motor", "--tolerance", "1e-6"];
+    assert_eq!(modyn(&[&start[..], &adaptive].concat()).code, 2);
+}
+
 const SCENE: &str = r#"<mujoco model="ball"><worldbody><geom type="plane" size="0 0 1" pos="0 0 0.2"/>
   <body pos="0.3 -0.2 0.45"><freejoint name="free"/><geom type="sphere" size="0.1" mass="2"/>
     <body pos="0 0 0.2"><joint name="hinge" axis="0 1 0" range="-20 20"/><geom type="sphere" size="0.05" pos="0.03 0 0.1" mass="0.5"/>

@@ -12,8 +12,8 @@ use std::path::PathBuf;
 
 use modyn_read::diagnostics::{Code, Diagnostic, Diagnostics, Severity};
 use modyn_read::{
-    Base, Contact, FileStore, Format, Ground, Loop, Mimic, Package, ReadOptions, Reading, Rotor,
-    XacroArg, conditioning_warning, joints_without_inertia,
+    Base, Contact, FileStore, Format, Ground, JointActuator, Loop, Mimic, Package, ReadOptions,
+    Reading, Rotor, XacroArg, conditioning_warning, joints_without_inertia,
 };
 use modyn_runtime::model::{Friction, Model, ModuleTree};
 use modyn_runtime::{OperationCount, UserFunction};

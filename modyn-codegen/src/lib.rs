@@ -31,9 +31,10 @@ pub use emit::{
 };
 pub use modyn_read::diagnostics;
 pub use modyn_read::{
-    Base, Contact, FileStore, Format, Geometry, Ground, Loop, LoopEnd, MAX_CONDITION_F32, Mesh,
-    Mimic, Package, ReadOptions, Reading, Rotor, Shape, Shapes, Written, XacroArg,
-    condition_number, expand_xacro, joints_without_inertia, read, read_mjcf, read_urdf, write,
+    Base, Contact, ControlLaw, FileStore, Format, Geometry, Ground, JointActuator, Loop, LoopEnd,
+    MAX_CONDITION_F32, Mesh, Mimic, Package, ReadOptions, Reading, Rotor, Shape, Shapes, Written,
+    XacroArg, condition_number, expand_xacro, joints_without_inertia, read, read_mjcf, read_urdf,
+    write,
 };
 pub use modyn_runtime::equations::{ForwardInput, Motion, State, TimeStepInput};
 pub use modyn_runtime::model::{ContactKind, Friction, LoopConstraintKind};

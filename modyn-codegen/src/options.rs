@@ -141,6 +141,18 @@ macro_rules! option_table {
                     "plane | plane([x, y, z], [nx, ny, nz])",
                     "the planes in the world of an SDF or an MJCF",
                     "plane([0, 0, 0.1], [0, 0, 1])";
+                /// The actuators of joints, in the function `step_actuated`, by names in which `*`
+                /// stands for any text: `position(kp, kd)` with the target position as its control,
+                /// `velocity(kd)` with the target velocity, or `motor` with the force. `effort`
+                /// (N m or N) at the end is the largest force; by default the effort limit of the
+                /// description. `saturation` is the stall force of a torque-speed line, and
+                /// `velocity` its no-load speed, by default the velocity limit. `delay` is the
+                /// number of steps before a control acts. They replace the actuators of an MJCF.
+                "actuators" actuators(actuators: impl IntoIterator<Item = JointActuator>)
+                    actuators: Vec<JointActuator>, field => field.extend(actuators),
+                    "[\"joint\": position(kp, kd), ...]",
+                    "the description's",
+                    "[\"elb*\": position(20, 0.5, effort = 23.5, saturation = 30, velocity = 25, delay = 2)]";
                 /// The damping and friction of the description that act on the joints.
                 "friction" friction(friction: Friction)
                     friction: Option<Friction>, field => *field = Some(friction),

@@ -217,7 +217,7 @@ impl Robot {
             return joint.map_or(Ok(()), |joint| Err(PyValueError::new_err(message(joint))));
         }
         let robots = match function.row().of_actuators {
-            true => "robots with actuators (the `<actuator>` of an MJCF)",
+            true => "robots with actuators (the option `actuators`, or the `<actuator>` of an MJCF)",
             false => "robots with closed loops or contacts (the options `loops` and `contacts`)",
         };
         let message = format!("only {robots} have the function `{}`", function.name());
@@ -497,9 +497,10 @@ impl Robot {
         self.model.control_names()
     }
 
-    /// The names of the activations of `actuate`: of the actuators that have a state.
+    /// The names of the activations of `actuate`: of the actuators that have a state. An actuator with
+    /// a delay has the controls that do not act yet.
     #[getter]
-    fn activation_names(&self) -> Vec<&str> {
+    fn activation_names(&self) -> Vec<String> {
         self.model.activation_names()
     }
 

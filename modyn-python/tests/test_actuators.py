@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from conftest import ROBOTS, chain, close, states as random_states
 
 import modyn
 
@@ -127,3 +128,108 @@ def test_rollouts_name_what_they_lack():
         robot.rollout([0, 0], [0, 0], np.zeros((3, 2)), 0.004, act=[0, 0])
     gradients = robot.rollout_vjp([0, 0], [0, 0], np.zeros((3, 4)), 0.004, np.ones((3, 2)), None, step="actuated")
     assert gradients.controls.shape == (3, 4) and gradients.act.shape == (2,) and gradients.applied.shape == (2,)
+
+
+class Motor:
+    """A position actuator by the formulas of Isaac Lab's `DCMotor` and `DelayedPDActuator`."""
+
+    def __init__(self, delay, **numbers):
+        self.delay, self.numbers, self.waiting = delay, numbers, []
+
+    def force(self, target, q, qd):
+        if not self.waiting:
+            self.waiting = [target] * self.delay
+        self.waiting.append(target)
+        target = self.waiting.pop(0)
+        kp, kd, effort, saturation, velocity = self.numbers.values()
+        most = velocity * (1 + effort / saturation)
+        speed = np.clip(qd, -most, most)
+        high = np.clip(saturation * (1 - speed / velocity), None, effort)
+        low = np.clip(saturation * (-1 - speed / velocity), -effort, None)
+        self.region = (speed != qd, high != effort, low != -effort)
+        force = kp * (target - q) - kd * qd
+        self.region += (force > high, force < low)
+        return np.clip(force, low, high)
+
+
+@pytest.mark.parametrize("machine_code", [True, False])
+@pytest.mark.parametrize("delay", [0, 1, 4])
+def test_torque_speed_lines_and_delays(delay, machine_code):
+    """Rollouts beside steps under the forces of the formulas, on both sides of each kink."""
+    numbers = dict(kp=90, kd=0.6, effort=9, saturation=14, velocity=2.5)
+    law = ("position", 90, 0.6, {"effort": 9, "saturation": 14, "velocity": 2.5, "delay": delay})
+    robot = modyn.loads(chain(3), base="floating", friction="none", actuators={"*": law}, machine_code=machine_code)
+    names = robot.control_names
+    assert robot.activation_names == [f"{name}_before_{k}" for name in names for k in range(delay, 0, -1)]
+    places = [robot.velocity_names.index(name) for name in names]
+    coordinates = [robot.coordinate_names.index(name) for name in names]
+    [q], [qd], _, _ = random_states(robot, 1)
+    controls = np.random.default_rng(2).normal(size=(60, len(names)))
+    settings = robot.step_settings()
+    settings.tolerance = 1e-13
+    # The queue of each actuator holds its first target, as Isaac Lab's.
+    act = np.repeat(controls[0], delay) if delay else None
+    motion = robot.rollout(q, qd, controls, 0.004, step="actuated", act=act, settings=settings)
+    motors = [Motor(delay, **numbers) for _ in names]
+    regions = set()
+    qdd = np.zeros(robot.nv)
+    for k, targets in enumerate(controls):
+        tau = np.zeros(robot.nv)
+        for motor, target, at, place in zip(motors, targets, coordinates, places):
+            tau[place] = motor.force(target, q[at], qd[place])
+            regions.add(motor.region)
+        x = robot.step(q, qd, tau, 0.004, qdd, settings)
+        for name in ("q", "qd", "qdd"):
+            close(getattr(motion, name)[k], getattr(x, name), 1e-8)
+        assert np.array_equal(motion.act[k], np.concatenate([[], *(motor.waiting for motor in motors)]))
+        q, qd, qdd = x.q, x.qd, x.qdd
+    assert len(regions) >= 8, regions
+
+
+def test_gradients_of_torque_speed_lines_and_delays():
+    jax = pytest.importorskip("jax")
+    import modyn.jax
+
+    jax.config.update("jax_enable_x64", True)
+    law = ("position", 40, 0.6, {"effort": 9, "saturation": 14, "velocity": 2.5, "delay": 2})
+    robot = modyn.loads(chain(3, joints=3), friction="none", actuators={"*": law})
+    rollout = modyn.jax.rollout(robot, "actuated")
+    rng = np.random.default_rng(7)
+    given = [0.3 * rng.normal(size=3), 2 * rng.normal(size=3), 0.5 * rng.normal(size=(5, 3)), 0.5 * rng.normal(size=6)]
+    weights = rng.normal(size=(2, 5, 3))
+
+    def value(q, qd, controls, act):
+        x = rollout(q, qd, controls, 0.004, act=act)
+        return (weights[0] * x.q).sum() + (weights[1] * x.qd).sum()
+
+    found = jax.grad(value, argnums=range(4))(*given)
+    for k, gradient in enumerate(found):
+        change = rng.normal(size=gradient.shape)
+        moved = lambda by: float(value(*given[:k], given[k] + by * change, *given[k + 1:]))
+        expected = (moved(1e-5) - moved(-1e-5)) / 2e-5
+        assert abs((gradient * change).sum() - expected) < 1e-6 * max(1, abs(expected)), k
+    # The last two targets of each motor do not act within the motion.
+    assert np.abs(found[2][-2:]).max() == 0 and np.abs(found[2][:-2]).max() > 1e-4
+
+
+def test_a_quadruped_stands_on_its_actuators():
+    """The same motion as by a feedback of the rollout, since no force is at a limit."""
+    feet = ["front_left_foot", "front_right_foot", "hind_left_foot", "hind_right_foot"]
+    contacts = {foot: ("point", foot, [0, 0, 0]) for foot in feet}
+    load = lambda **options: modyn.load(ROBOTS / "quadruped.urdf", base="floating", contacts=contacts, **options)
+    robot = load(actuators={"*": ("position", 20, 0.4, {"effort": 2.7})})
+    assert robot.control_names == robot.velocity_names[6:] and robot.activation_names == []
+    q = robot.neutral()
+    q[-12:] = [[0.0, 0.6, -1.2][k % 3] * (1 if k < 6 else -1) for k in range(12)]
+    q[2] += 0.005 - min(robot.link_pose(q, foot).translation[2] for foot in feet)
+    rest = np.zeros(robot.nv)
+    motion = robot.rollout(q, rest, np.tile(q[-12:], (400, 1)), 0.002, step="actuated")
+    assert np.abs(motion.qd[-1]).max() < 0.01
+    close(motion.forces[-1, :, 2].sum(), robot.gravity_torques(robot.neutral())[2], 1e-3)
+    gains = np.hstack([np.diag(np.r_[np.zeros(6), 20 * np.ones(12)]), np.diag(np.r_[np.zeros(6), 0.4 * np.ones(12)])])
+    feedback = dict(gains=gains, q_ref=q, qd_ref=rest)
+    expected = load().rollout(q, rest, np.zeros((400, robot.nv)), 0.002, step="step", **feedback)
+    close(motion.q, expected.q, 1e-6)
+    weak = load(actuators={"*": ("position", 20, 0.4, {"effort": 0.1})})
+    fallen = weak.rollout(q, rest, np.tile(q[-12:], (400, 1)), 0.002, step="actuated")
+    assert fallen.q[-1, 2] < motion.q[-1, 2] - 0.05

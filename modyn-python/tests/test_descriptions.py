@@ -128,6 +128,10 @@ def test_options(tmp_path):
         ({"bundles": {"both": [3]}}, ValueError, r'another form than in bundles={"control": \["mass_matrix", '),
         ({"ground": ("plane", [0, 0, 1])}, ValueError, r'another form than in ground=\("plane", \[0, 0, 0.1\], \[0, 0, 1\]\)'),
         ({"ground": "wall"}, ValueError, r"expected `plane` or `plane\(\[x, y, z\], \[nx, ny, nz\]\)`"),
+        ({"actuators": {"pivot": ("position", 20)}}, ValueError, r'another form than in actuators={"elb\*": \("position", 20, 0.5, {'),
+        ({"actuators": {"pivot": ("motor", {"delay": 0.5})}}, ValueError, "a whole number of steps: `delay = 2`; for example"),
+        ({"actuators": '"pivot": servo'}, ValueError, r'expected `"joint": position\(kp, kd\)`'),
+        ({"actuators": {"pivit": "motor"}}, modyn.DescriptionError, "did you mean `pivot`"),
         ({"friction": ("smooth", "fast")}, ValueError, r'expected a number; for example friction=\("smooth", 0.01\)'),
         ({"friction": ("smooth",)}, ValueError, r'another form than in friction=\("smooth", 0.01\)'),
     ],
@@ -164,6 +168,7 @@ def test_examples_of_options_are_values(name, example):
     robot = modyn.loads(text + "</robot>", **{name: value})
     assert robot.touching_shape_names == {"ground": ["palm"], "contacts": ["fingertip"]}.get(name, [])
     assert robot.nv == (11 if name == "base" else 5)
+    assert robot.control_names == (["elbow"] if name == "actuators" else [])
 
 
 def test_parameters_that_change():

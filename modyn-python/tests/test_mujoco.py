@@ -7,7 +7,7 @@ from xml.etree import ElementTree
 import mujoco
 import numpy as np
 import pytest
-from conftest import GOLDEN, ROOT, close, states
+from conftest import GOLDEN, ROOT, chain, close, states
 
 import modyn
 
@@ -336,6 +336,65 @@ def test_collisions_of_a_urdf_touch_the_ground(seed):
         velocity = theirs.to_qvel(q, qd)
         assert abs(velocity - data.qvel).max() <= 1e-6 * max(1, abs(data.qvel).max())
     assert touching > 10
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_actuators_of_a_urdf(seed):
+    """The option `actuators` beside `<position>`, `<velocity>` and `<motor>`: MuJoCo reads the same URDF, whose spheres fall onto a
+    plane. Some forces are at their limits."""
+    sphere = '<collision><origin xyz="0.05 -0.1 0.02"/><geometry><sphere radius="0.1"/></geometry></collision></link>'
+    text = chain(seed, joints=6).replace("</inertial></link>", "</inertial>" + sphere)
+    free = '<link name="world"/><joint name="free" type="floating"><parent link="world"/><child link="base"/></joint>'
+    text = text.replace("</robot>", free + "</robot>")
+    actuators = {
+        "joint0": ("position", 60, 2),
+        "joint1": ("position", 60, 2),
+        "*2": ("velocity", 3, {"effort": 25}),
+        "joint3": ("position", 200, 5, {"effort": 8}),
+        "j*4": "motor",
+    }
+    robot = modyn.loads(text, ground="plane", actuators=actuators, friction="none")
+    assert robot.control_names == [name for name in robot.velocity_names if name in [f"joint{k}" for k in range(5)]]
+    spec = mujoco.MjSpec.from_string(text.replace("</robot>", '<mujoco><compiler fusestatic="false"/></mujoco></robot>'))
+    for geom in spec.geoms:
+        geom.conaffinity = 0
+    spec.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_PLANE, size=[0, 0, 1], contype=0)
+    efforts = {"joint2": 25, "joint3": 8}
+    for name in robot.control_names:
+        # The effort limit of the URDF is 10; the option replaces it.
+        effort = efforts.get(name, 10)
+        spec.joint(name).actfrcrange, spec.joint(name).actfrclimited = [-effort, effort], True
+        actuator = spec.add_actuator(name=name, target=name, trntype=mujoco.mjtTrn.mjTRN_JOINT)
+        actuator.forcerange = [-effort, effort]
+        if name == "joint2":
+            actuator.set_to_velocity(kv=3)
+        elif name == "joint4":
+            actuator.set_to_motor()
+        else:
+            kp, kv = (200, 5) if name == "joint3" else (60, 2)
+            actuator.set_to_position(kp=kp, kv=[kv])
+    model = spec.compile()
+    model.opt.timestep, model.opt.tolerance, model.opt.ls_tolerance = 0.002, 0, 1e-12
+    model.opt.iterations, model.opt.ls_iterations = 300, 100
+    data = mujoco.MjData(model)
+    theirs = modyn.conventions.MuJoCo(robot, model)
+    settings = robot.step_settings()
+    settings.tolerance = 1e-13
+    [q], [qd], _, _ = states(robot, 1, seed=seed)
+    controls = np.random.default_rng(seed).normal(size=(50, 5)) * np.where(np.array(robot.control_names) == "joint4", 12, 1)
+    q[:3] = [0, 0, 0.5]
+    data.qpos[:], data.qvel[:] = theirs.to_qpos(q), theirs.to_qvel(q, qd)
+    motion = robot.rollout(q, qd, controls, 0.002, step="actuated", settings=settings)
+    limited, touching = 0, 0
+    for k, ctrl in enumerate(controls):
+        data.ctrl[:] = ctrl
+        mujoco.mj_step(model, data)
+        velocity = theirs.to_qvel(motion.q[k], motion.qd[k])
+        assert abs(velocity - data.qvel).max() <= 1e-6 * max(1, abs(data.qvel).max()), k
+        limited += (abs(data.actuator_force) == [efforts.get(name, 10) for name in robot.control_names]).sum()
+        touching += data.ncon > 0
+    close(theirs.to_qpos(motion.q[-1]), data.qpos, 1e-6)
+    assert 10 < limited < 240 and touching > 5
 
 
 @pytest.mark.parametrize("scene", range(19))

@@ -27,8 +27,8 @@ pub use check::{
     joints_without_inertia,
 };
 pub use description::{
-    Base, Contact, FileStore, Geometry, Ground, Loop, LoopEnd, Mesh, Mimic, Package, ReadOptions,
-    Rotor, Shape, Shapes, XacroArg,
+    Base, Contact, ControlLaw, FileStore, Geometry, Ground, JointActuator, Loop, LoopEnd, Mesh,
+    Mimic, Package, ReadOptions, Rotor, Shape, Shapes, XacroArg,
 };
 pub use modyn_runtime::model::{ContactKind, Friction, LoopConstraintKind};
 pub use read::{

@@ -1,5 +1,6 @@
 //! The tests of the reader, one module a topic.
 
+mod actuators;
 mod collisions;
 mod diagnostics;
 mod doubling;

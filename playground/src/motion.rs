@@ -60,8 +60,9 @@ impl Motion {
             MotionOptions { limits: true, .. } => Limits::Act,
             _ => Limits::None,
         };
+        let actuators = ground == Ground::Described;
         Ok(Self {
-            steps: ContactSteps::new(model, Options { ground, limits }, &q),
+            steps: ContactSteps::new(model, Options { ground, limits, actuators }, &q),
             q,
             qd,
             time: 0.0,

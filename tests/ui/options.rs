@@ -24,5 +24,10 @@ modyn::modyn!("good.urdf", friction = smooth(slow));
 modyn::modyn!("good.urdf", rotors = ["elbow"]);
 modyn::modyn!("good.urdf", functions = "all");
 modyn::modyn!("good.urdf", functions = [mas_matrix]);
+modyn::modyn!("good.urdf", actuators = ["elbow": position(20)]);
+modyn::modyn!("good.urdf", actuators = ["elbow": servo(20, 1)]);
+modyn::modyn!("good.urdf", actuators = ["elbow": motor(delay = 1.5)]);
+modyn::modyn!("good.urdf", actuators = ["elbow": motor(speed = 1)]);
+modyn::modyn!("good.urdf", actuators = ["elbow": velocity(-1), "shoulders": motor]);
 
 fn main() {}

@@ -92,6 +92,13 @@ impl Builder {
                 "set it with `Model::with_soft_constraints`".into(),
             );
         }
+        if matches!(self.source, Source::Model(_)) && !self.options.read.actuators.is_empty() {
+            error(
+                Code::Option,
+                "a model that is given as one has its own actuators".into(),
+                "set them with `Model::with_actuation`".into(),
+            );
+        }
         let read = &self.options.read;
         let of_reading = [
             ("base", read.base != Base::default()),

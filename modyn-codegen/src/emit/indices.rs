@@ -25,7 +25,6 @@ pub(super) fn all_names(model: &Model) -> Vec<Named> {
     let touching = model.touching_shapes();
     let shapes = touching.iter().map(|shape| shape.name.to_string());
     let controls = model.control_names().into_iter().map(str::to_owned);
-    let activations = model.activation_names().into_iter().map(str::to_owned);
     let velocities = "The entries of `qd`, and of accelerations and joint forces";
     let all = vec![
         named("link", "The links of the description, in its order", frames.collect()),
@@ -35,7 +34,7 @@ pub(super) fn all_names(model: &Model) -> Vec<Named> {
         named("contact", "The contacts", contacts.collect()),
         named("shape", "The shapes that touch the ground in steps", shapes.collect()),
         named("control", "The entries of `ctrl`", controls.collect()),
-        named("activation", "The entries of `act`", activations.collect()),
+        named("activation", "The entries of `act`", model.activation_names()),
     ];
     all.into_iter().filter(|named| !named.names.is_empty()).collect()
 }

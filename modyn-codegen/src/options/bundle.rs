@@ -245,9 +245,7 @@ impl Member {
         let name = function.name();
         if !function.fits(&Sizes::new(model, 0)) {
             let (robots, help) = match function.row().of_actuators {
-                true => {
-                    ("robots with actuators", "leave it out, or take an MJCF with `<actuator>`")
-                }
+                true => ("robots with actuators", "leave it out, or give the robot `actuators`"),
                 false => (
                     "robots with closed loops or contacts",
                     "leave it out, or give the robot `contacts` or `loops`",

@@ -1,7 +1,10 @@
 //! The types of options: how each is read from a value and written as a Rust argument.
 
 use modyn_read::diagnostics::Severity;
-use modyn_read::{Base, Contact, Ground, Loop, LoopEnd, Mimic, Package, Rotor, XacroArg};
+use modyn_read::{
+    Base, Contact, ControlLaw, Ground, JointActuator, Loop, LoopEnd, Mimic, Package, Rotor,
+    XacroArg,
+};
 use modyn_runtime::model::{ContactKind, Friction, LoopConstraintKind};
 
 use super::value::{OptionError, Value, ValueKind};
@@ -330,6 +333,72 @@ impl OptionValue for Rotor {
     fn rust(&self) -> String {
         format!("Rotor::new({:?}, {:?}, {:?})", self.joint, self.inertia, self.gear_ratio)
     }
+}
+
+/// `"joint": position(kp, kd)`, `"joint": velocity(kd)` or `"joint": motor`; limits and the delay may
+/// follow as `name = number`.
+impl OptionValue for JointActuator {
+    fn read(value: &Value) -> Result<Self, OptionError> {
+        let expected = "expected `\"joint\": position(kp, kd)`, `\"joint\": velocity(kd)` or \
+                        `\"joint\": motor`, and perhaps `effort = 20`, `saturation = 30`, \
+                        `velocity = 25` and `delay = 2` as the last arguments";
+        let (joint, actuator) = pair(value, expected)?;
+        let (name, arguments) = match &actuator.kind {
+            ValueKind::Word(name) => (name, &[][..]),
+            ValueKind::Call(name, arguments) => (name, arguments.as_slice()),
+            _ => return Err(OptionError::form(actuator.at, expected)),
+        };
+        let is_named = |argument: &&Value| matches!(argument.kind, ValueKind::Pair(..));
+        let gains = arguments.iter().take_while(|argument| !is_named(argument));
+        let numbers = gains.map(f64::read).collect::<Result<Vec<f64>, OptionError>>()?;
+        let law = match (name.as_str(), numbers.as_slice()) {
+            ("position", &[kp, kd]) => ControlLaw::Position { kp, kd },
+            ("velocity", &[kd]) => ControlLaw::Velocity { kd },
+            ("motor", []) => ControlLaw::Motor,
+            _ => return Err(OptionError::form(actuator.at, expected)),
+        };
+        let mut read = Self::new(joint, law);
+        for argument in &arguments[numbers.len()..] {
+            let (name, number) = pair(argument, expected)?;
+            match name.as_str() {
+                "effort" => read.effort = Some(f64::read(number)?),
+                "saturation" => read.saturation = Some(f64::read(number)?),
+                "velocity" => read.velocity = Some(f64::read(number)?),
+                "delay" => read.delay = steps(number)?,
+                _ => return Err(OptionError::form(argument.at, expected)),
+            }
+        }
+        Ok(read)
+    }
+
+    fn rust(&self) -> String {
+        let Self { joint, law, effort, saturation, velocity, delay, .. } = self;
+        let mut text = match *law {
+            ControlLaw::Position { kp, kd } => {
+                format!("JointActuator::position({joint:?}, {kp:?}, {kd:?})")
+            }
+            ControlLaw::Velocity { kd } => format!("JointActuator::velocity({joint:?}, {kd:?})"),
+            _ => format!("JointActuator::motor({joint:?})"),
+        };
+        let numbers = [("effort", effort), ("saturation", saturation), ("velocity", velocity)];
+        for (name, number) in numbers {
+            if let Some(number) = number {
+                text += &format!(".with_{name}({number:?})");
+            }
+        }
+        if *delay > 0 {
+            text += &format!(".with_delay({delay})");
+        }
+        text
+    }
+}
+
+/// Returns a number of steps.
+fn steps(value: &Value) -> Result<usize, OptionError> {
+    let number = f64::read(value)?;
+    let steps = number as usize;
+    let message = "expected a whole number of steps: `delay = 2`";
+    (steps as f64 == number).then_some(steps).ok_or_else(|| OptionError::new(value.at, message))
 }
 
 /// `"name": "value"`, where a number or a word needs no quotes

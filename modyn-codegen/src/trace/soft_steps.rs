@@ -131,7 +131,7 @@ impl Drive<'_> {
             Self::Forces => 0,
             Self::Actuators(model) => {
                 let actuation = model.actuation();
-                actuation.actuators.len() + actuation.activated().count()
+                actuation.actuators.len() + actuation.states()
             }
         };
         nq + 3 * nv + 1 + of_actuators + StepSettings::<Expr>::COUNT + surfaces
@@ -157,7 +157,7 @@ impl Drive<'_> {
             }
             Self::Actuators(model) => {
                 let actuation = model.actuation();
-                let activations = actuation.activated().count();
+                let activations = actuation.states();
                 let controls = actuation.actuators.len();
                 let [ctrl, dt, act, applied, warm_start] =
                     [controls, 1, activations, nv, nv].map(take);

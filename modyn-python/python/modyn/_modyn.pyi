@@ -58,6 +58,14 @@ class Options(TypedDict, total=False):
     from the ground, `plane` for z = 0. `friction = 0.8` at the end is the coefficient of all contacts, in place
     of the description's. If there are contacts, their points touch the plane, and shapes do not. By default the
     planes in the world of an SDF or an MJCF. For example: `("plane", [0, 0, 0.1], [0, 0, 1])`."""
+    actuators: Mapping[str, Any] | str | None
+    """The actuators of joints, in the function `step_actuated`, by names in which `*` stands for any text:
+    `position(kp, kd)` with the target position as its control, `velocity(kd)` with the target velocity, or
+    `motor` with the force. `effort` (N m or N) at the end is the largest force; by default the effort limit of
+    the description. `saturation` is the stall force of a torque-speed line, and `velocity` its no-load speed,
+    by default the velocity limit. `delay` is the number of steps before a control acts. They replace the
+    actuators of an MJCF. By default the description's. For example: `{"elb*": ("position", 20, 0.5, {"effort":
+    23.5, "saturation": 30, "velocity": 25, "delay": 2})}`."""
     friction: str | tuple[str, float] | None
     """The damping and friction of the description that act on the joints. By default none, with a warning if there
     are some. For example: `("smooth", 0.01)`."""

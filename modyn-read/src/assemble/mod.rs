@@ -2,8 +2,8 @@
 //! rotors.
 //!
 //! ```text
-//! Description ─ rotors, loops and contacts of the options ─ mimics ─▶ leaders ─┐
-//!              └ tree ─▶ order ─ bodies ─▶ moving links ─ check ───────────────┴▶ Model
+//! Description ─ rotors, actuators, loops and contacts of the options ─ mimics ─▶ leaders ─┐
+//!              └ tree ─▶ order ─ bodies ─▶ moving links ─ check ──────────────────────────┴▶ Model
 //! ```
 //!
 //! Each step reports all its errors and continues as far as possible.
@@ -34,6 +34,7 @@ pub fn assemble(
     report: &mut Report<'_>,
 ) -> Option<Model> {
     rotors::apply(&mut description, &options.rotors, report);
+    actuators::apply(&mut description, options, report);
     let loops: Vec<_> =
         options.loops.iter().map(|option| loops::from_option(option, report)).collect();
     description.loops.extend(loops);
@@ -96,7 +97,7 @@ fn model(
         let SpringRecord { stiffness, reference } = description.joints[(*joint)?].spring.clone()?;
         Some(Spring { link, stiffness, reference })
     });
-    let actuation = actuators::actuation(description, &joints, &links);
+    let actuation = actuators::actuation(description, options, &joints, &links);
     let mut compensation = Vec::new();
     // The weight of a link that is fixed to the world has no effect.
     for &(link, factor) in

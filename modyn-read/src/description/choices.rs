@@ -30,6 +30,8 @@ pub struct ReadOptions {
     pub base: Base,
     /// The rotors of joints; each replaces the armature in the description.
     pub rotors: Vec<Rotor>,
+    /// The actuators of joints. If there are some, they replace the actuators of the description.
+    pub actuators: Vec<JointActuator>,
     /// The part of damping and friction that acts. `None` is [`Friction::None`], with a warning if
     /// the description has damping or friction.
     pub friction: Option<Friction>,
@@ -97,6 +99,100 @@ impl Rotor {
     #[must_use]
     pub fn new(joint: impl Into<String>, inertia: f64, gear_ratio: f64) -> Self {
         Self { joint: joint.into(), inertia, gear_ratio }
+    }
+}
+
+/// An actuator for each joint of a name.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct JointActuator {
+    /// The name of a joint with one degree of freedom, or a pattern of such names, in which each `*`
+    /// stands for any text. Mimic joints have an actuator only by their own name.
+    pub joint: String,
+    /// The force under the control, before limits.
+    pub law: ControlLaw,
+    /// The largest force, N m or N, which replaces the joint's effort limit; `None`: the effort limit
+    /// of the description, if there is one.
+    pub effort: Option<f64>,
+    /// The stall force of the torque-speed line, N m or N; `None`: no line limits the force.
+    pub saturation: Option<f64>,
+    /// The no-load speed of the torque-speed line, rad/s or m/s; `None`: the velocity limit of the
+    /// description.
+    pub velocity: Option<f64>,
+    /// The number of steps before a control acts.
+    pub delay: usize,
+}
+
+/// The force of an actuator under its control, before limits.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum ControlLaw {
+    /// The control is the target position: the force is `kp * (ctrl - q) - kd * qd`.
+    Position {
+        /// The stiffness, N m/rad or N/m.
+        kp: f64,
+        /// The damping, N m s/rad or N s/m.
+        kd: f64,
+    },
+    /// The control is the target velocity: the force is `kd * (ctrl - qd)`.
+    Velocity {
+        /// The damping, N m s/rad or N s/m.
+        kd: f64,
+    },
+    /// The control is the force, N m or N.
+    Motor,
+}
+
+impl JointActuator {
+    /// Returns the actuator of these joints with a law, the limits of the description, and without a
+    /// torque-speed line and a delay.
+    #[must_use]
+    pub fn new(joint: impl Into<String>, law: ControlLaw) -> Self {
+        let joint = joint.into();
+        Self { joint, law, effort: None, saturation: None, velocity: None, delay: 0 }
+    }
+
+    /// Returns the actuator whose control is the target position, with this stiffness and damping.
+    #[must_use]
+    pub fn position(joint: impl Into<String>, kp: f64, kd: f64) -> Self {
+        Self::new(joint, ControlLaw::Position { kp, kd })
+    }
+
+    /// Returns the actuator whose control is the target velocity, with this damping.
+    #[must_use]
+    pub fn velocity(joint: impl Into<String>, kd: f64) -> Self {
+        Self::new(joint, ControlLaw::Velocity { kd })
+    }
+
+    /// Returns the actuator whose control is the force.
+    #[must_use]
+    pub fn motor(joint: impl Into<String>) -> Self {
+        Self::new(joint, ControlLaw::Motor)
+    }
+
+    /// Returns the actuator with this largest force, N m or N.
+    #[must_use]
+    pub fn with_effort(self, effort: f64) -> Self {
+        Self { effort: Some(effort), ..self }
+    }
+
+    /// Returns the actuator with a torque-speed line of this stall force (N m or N), whose no-load
+    /// speed is the velocity limit of the description.
+    #[must_use]
+    pub fn with_saturation(self, saturation: f64) -> Self {
+        Self { saturation: Some(saturation), ..self }
+    }
+
+    /// Returns the actuator with this no-load speed of the torque-speed line, rad/s or m/s.
+    #[must_use]
+    pub fn with_velocity(self, velocity: f64) -> Self {
+        Self { velocity: Some(velocity), ..self }
+    }
+
+    /// Returns the actuator whose controls act after this number of steps.
+    #[must_use]
+    pub fn with_delay(self, delay: usize) -> Self {
+        Self { delay, ..self }
     }
 }
 

@@ -11,7 +11,8 @@ mod shape;
 mod taken_names;
 
 pub use choices::{
-    Base, Contact, Ground, Loop, LoopEnd, Mimic, Package, ReadOptions, Rotor, XacroArg,
+    Base, Contact, ControlLaw, Ground, JointActuator, Loop, LoopEnd, Mimic, Package, ReadOptions,
+    Rotor, XacroArg,
 };
 pub use file_store::FileStore;
 pub use geometry::{

@@ -10,13 +10,14 @@ use modyn_runtime::conventions::{
 };
 use modyn_runtime::joint::{JointType, planar};
 use modyn_runtime::model::{
-    Cone, Frame, Inertial, Integrator, Joint, JointDynamics, LoopConstraintEnd, LoopConstraintKind,
-    Model,
+    Cone, Frame, Inertial, Integrator, JointDynamics, LoopConstraintEnd, LoopConstraintKind, Model,
 };
 use modyn_runtime::spatial::Pose;
 
+use super::actuators::WrittenActuators;
 use super::xml::Element;
-use super::{Document, Names, is_massless, range, shapes};
+use super::{Document, Names, actuators, is_massless, range, shapes};
+use crate::description::UNLIMITED;
 use crate::diagnostics::{Code, Diagnostic, listed};
 
 /// The mass and the moment of inertia that MuJoCo requires of a moving body, kg and kg m^2.
@@ -69,11 +70,13 @@ pub fn document(model: &Model) -> Document {
     let assets = writer.shapes(&mut world);
     let keyframes = writer.keyframes();
     let Writer { mut document, .. } = writer;
+    let WrittenActuators { section: actuators, notes } = actuators::of_mjcf(model);
+    document.notes.extend(notes);
     document.root.children.extend([compiler, option]);
     let is_full = |section: &Element| !section.children.is_empty();
     document.root.children.extend(Some(assets).filter(is_full));
     document.root.children.push(world);
-    document.root.children.extend([equality, keyframes].into_iter().filter(is_full));
+    document.root.children.extend([equality, actuators, keyframes].into_iter().filter(is_full));
     document
 }
 
@@ -281,7 +284,7 @@ impl Writer<'_> {
                 element = element.numbers("axis", &place.rotate(axis));
             }
             if is_single && kind != "ball" {
-                element = self.limited(joint, element);
+                element = self.limited(link, element);
             }
             for (name, x) in
                 [("damping", damping), ("frictionloss", friction), ("armature", armature)]
@@ -312,8 +315,9 @@ impl Writer<'_> {
         frame.and_then(|frame| factors.get(frame)).copied().unwrap_or(0.0)
     }
 
-    /// Returns the element of a joint with its limits.
-    fn limited(&mut self, joint: &Joint, mut element: Element) -> Element {
+    /// Returns the element of a link's joint with its limits.
+    fn limited(&mut self, link: usize, mut element: Element) -> Element {
+        let joint = &self.model.links()[link].joint;
         if let Some([lower, upper]) = range(joint.limits.as_ref()) {
             if lower < upper {
                 element = element.numbers("range", &[lower, upper]);
@@ -325,15 +329,20 @@ impl Writer<'_> {
                 self.document.notes.push(note);
             }
         }
-        match joint.limits.and_then(|limits| limits.effort) {
-            Some(effort) if effort > 0.0 => element.numbers("actuatorfrcrange", &[-effort, effort]),
-            Some(_) => {
-                let note = format!("The effort limit of joint `{}`, 0, is left out.", joint.name);
-                self.document.notes.push(note);
-                element
-            }
-            None => element,
+        let mut ranges = self.model.actuation().joint_force_ranges.iter();
+        if let Some(forces) = ranges.find(|forces| forces.link == link) {
+            let ends = forces.range.map(|end| end.clamp(-UNLIMITED, UNLIMITED));
+            return element.numbers("actuatorfrcrange", &ends);
         }
+        let Some(effort) = joint.limits.and_then(|limits| limits.effort) else { return element };
+        if effort > 0.0 && actuators::are_within(self.model, link, effort) {
+            return element.numbers("actuatorfrcrange", &[-effort, effort]);
+        }
+        let why = if effort > 0.0 { ": its actuators exceed it" } else { "" };
+        let note =
+            format!("The effort limit of joint `{}`, {effort}, is left out{why}.", joint.name);
+        self.document.notes.push(note);
+        element
     }
 
     /// Returns the joint of a floating link.

@@ -5,9 +5,10 @@
 //! ```
 //!
 //! A format is a file here. The text has the links, joints, inertias, loops, contacts and shapes that
-//! touch the ground, as far as the reader understood them, and nothing else: no pictures, sensors or
-//! actuators. Reading it again gives the same robot.
+//! touch the ground, as far as the reader understood them, and in an MJCF the actuators. It has no
+//! pictures and no sensors. Reading it again gives the same robot.
 
+mod actuators;
 mod mjcf;
 mod shapes;
 mod urdf;
@@ -102,7 +103,7 @@ fn notes_about_options(model: &Model, format: Format) -> Vec<String> {
         let names = model.keyframes().iter().map(|keyframe| &*keyframe.name);
         notes.push(format!("Left out: {}.", listed("keyframe", names)));
     }
-    if !model.actuation().actuators.is_empty() {
+    if format == Format::Urdf && !model.actuation().actuators.is_empty() {
         let names = model.control_names().into_iter();
         notes.push(format!("Left out: {}.", listed("actuator", names)));
     }

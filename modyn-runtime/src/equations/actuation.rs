@@ -1,11 +1,14 @@
 //! The joint forces of actuators, and their activations after a step, by `MuJoCo`'s laws.
+//!
+//! The torque-speed line is the law of Isaac Lab's `DCMotor`, the delay that of its
+//! `DelayedPDActuator`.
 
 use alloc::{vec, vec::Vec};
 
 use crate::Scalar;
 use crate::model::{
     Activation, ActivationDynamics, Actuation, Actuator, AffineLaw, JointForceRange, Model,
-    TendonJoint, Transmission,
+    TendonJoint, TorqueSpeedLine, Transmission,
 };
 use crate::scalar::{at_least, at_most};
 
@@ -21,7 +24,7 @@ pub struct ActuatorInput<'a, S> {
     pub qd: &'a [S],
     /// The controls.
     pub ctrl: &'a [S],
-    /// The activations.
+    /// The states of the actuators: the controls that do not act yet, and the activations.
     pub act: &'a [S],
     /// The time of the step, s.
     pub dt: S,
@@ -32,7 +35,7 @@ pub struct ActuatorInput<'a, S> {
 pub struct ActuatorOutputs<'a, S> {
     /// The joint forces, N m or N.
     pub tau: &'a mut [S],
-    /// The activations after the step.
+    /// The states of the actuators after the step.
     pub act: &'a mut [S],
 }
 
@@ -43,6 +46,8 @@ pub struct ActuationWorkspace<S> {
     inputs: Vec<S>,
     /// The force of each actuator.
     forces: Vec<S>,
+    /// The least and the largest force by the torque-speed line of each actuator that has one.
+    line_ends: Vec<Option<[S; 2]>>,
     /// The force of the actuators on the joint of each moving link.
     joint_forces: Vec<S>,
 }
@@ -55,6 +60,7 @@ impl<S: Scalar> ActuationWorkspace<S> {
         Self {
             inputs: vec![S::zero(); actuators],
             forces: vec![S::zero(); actuators],
+            line_ends: vec![None; actuators],
             joint_forces: vec![S::zero(); model.links().len()],
         }
     }
@@ -75,25 +81,33 @@ pub fn actuate<S: Scalar>(
     outputs: ActuatorOutputs<'_, S>,
 ) {
     let ActuatorOutputs { tau, act: next } = outputs;
-    let ActuationWorkspace { inputs, forces, joint_forces } = workspace;
+    let ActuationWorkspace { inputs, forces, line_ends, joint_forces } = workspace;
     let Actuation { actuators, tendons, joint_force_ranges } = model.actuation();
-    let mut activations = input.act.iter().zip(next);
-    let memory = inputs.iter_mut().zip(&mut *forces);
-    for ((actuator, &ctrl), (signal, force)) in actuators.iter().zip(input.ctrl).zip(memory) {
-        let control = clamped(ctrl, actuator.control_range);
-        *signal = match &actuator.activation {
-            None => control,
-            Some(activation) => {
-                let Some((&act, next)) = activations.next() else { break };
+    let mut first_state = 0;
+    for (k, (actuator, &ctrl)) in actuators.iter().zip(input.ctrl).enumerate() {
+        let states = first_state..first_state + actuator.states();
+        first_state = states.end;
+        let Some(before) = input.act.get(states.clone()) else { break };
+        let Some(after) = next.get_mut(states) else { break };
+        let (waiting, activations) = before.split_at(actuator.delay);
+        let control = clamped(delayed(ctrl, waiting, after), actuator.control_range);
+        inputs[k] = match (&actuator.activation, activations) {
+            (Some(activation), &[act]) => {
                 let follows = actuator.enabled.then_some(control);
-                *next = next_activation(activation, act, follows, input.dt);
-                if activation.early { *next } else { act }
+                let next_act = next_activation(activation, act, follows, input.dt);
+                after[actuator.delay] = next_act;
+                if activation.early { next_act } else { act }
             }
+            _ => control,
         };
-        *force = match actuator.enabled {
-            true => unlimited_force(actuator, *signal, actuator_length(model, actuator, input)),
-            false => S::zero(),
-        };
+        if actuator.enabled {
+            let length = actuator_length(model, actuator, input);
+            forces[k] = unlimited_force(actuator, inputs[k], length);
+            line_ends[k] = actuator.torque_speed_line.map(|line| line_at(line, length.velocity));
+        } else {
+            forces[k] = S::zero();
+            line_ends[k] = None;
+        }
     }
     for (index, tendon) in tendons.iter().enumerate() {
         if let Some(range) = tendon.force_range {
@@ -101,8 +115,9 @@ pub fn actuate<S: Scalar>(
         }
     }
     joint_forces.fill(S::zero());
-    for (actuator, force) in actuators.iter().zip(forces) {
-        *force = clamped(*force, actuator.force_range);
+    for ((actuator, force), ends) in actuators.iter().zip(forces).zip(line_ends) {
+        let on_line = ends.map_or(*force, |ends| within_line(*force, ends));
+        *force = clamped(on_line, actuator.force_range);
         for TendonJoint { link, coefficient } in joints(model, actuator) {
             let moment = S::from_f64(actuator.gear * coefficient);
             joint_forces[link] = moment.mul_add(*force, joint_forces[link]);
@@ -126,22 +141,27 @@ pub fn actuate<S: Scalar>(
 }
 
 /// Returns the derivative of each actuator's force with respect to the rate of its length, as
-/// `MuJoCo`'s `implicitfast` has it, after [`actuate`]: zero where a force is at an end of its range,
-/// where the sum of the forces on the actuator's tendon is, and where the force on its joint is.
-/// `None` for an actuator whose force does not depend on the rate.
+/// `MuJoCo`'s `implicitfast` has it, after [`actuate`]: zero where a force is at an end of its range
+/// or on its torque-speed line, where the sum of the forces on the actuator's tendon is at an end, and
+/// where the force on its joint is. `None` for an actuator whose force does not depend on the rate.
 pub(crate) fn velocity_gains<S: Scalar>(
     model: &Model,
     workspace: &ActuationWorkspace<S>,
 ) -> Vec<Option<S>> {
-    let ActuationWorkspace { inputs, forces, joint_forces } = workspace;
+    let ActuationWorkspace { inputs, forces, line_ends, joint_forces } = workspace;
     let Actuation { actuators, tendons, joint_force_ranges } = model.actuation();
-    let gain = |(actuator, (&input, &force)): (&Actuator, (&S, &S))| {
+    let gain = |k: usize, actuator: &Actuator| {
+        let input = inputs[k];
+        let force = forces[k];
         let [gain, bias] = [actuator.gain, actuator.bias].map(|law| law.velocity);
         let mut derivative = S::from_f64(bias);
         if gain != 0.0 {
             derivative = S::from_f64(gain).mul_add(input, derivative);
         }
         derivative = within(derivative, force, actuator.force_range);
+        if let Some(ends) = line_ends[k] {
+            derivative = between(derivative, force, ends.map(Some));
+        }
         match actuator.transmission {
             Transmission::Joint(link) => {
                 let mut ranges = joint_force_ranges.iter().filter(|range| range.link == link);
@@ -159,23 +179,21 @@ pub(crate) fn velocity_gains<S: Scalar>(
             }
         }
     };
-    let memory = inputs.iter().zip(forces);
-    let actuators_with_memory = actuators.iter().zip(memory);
-    actuators_with_memory.map(|one| depends_on_rate(one.0).then(|| gain(one))).collect()
+    let numbered = actuators.iter().enumerate();
+    numbered.map(|(k, actuator)| depends_on_rate(actuator).then(|| gain(k, actuator))).collect()
 }
 
 /// Returns the derivative of a force that is within its range, and zero at the ends.
 fn within<S: Scalar>(derivative: S, force: S, range: Option<[f64; 2]>) -> S {
-    let Some([low, high]) = range else { return derivative };
+    let Some(ends) = range else { return derivative };
+    between(derivative, force, ends.map(|end| end.is_finite().then(|| S::from_f64(end))))
+}
+
+/// Returns the derivative of a force that is between these ends, and zero at the ends and beyond.
+fn between<S: Scalar>(derivative: S, force: S, [low, high]: [Option<S>; 2]) -> S {
     let zero = S::zero();
-    let mut within = derivative;
-    if low.is_finite() {
-        within = (S::from_f64(low) - force).select_nonnegative(zero, within);
-    }
-    if high.is_finite() {
-        within = (force - S::from_f64(high)).select_nonnegative(zero, within);
-    }
-    within
+    let above = low.map_or(derivative, |low| (low - force).select_nonnegative(zero, derivative));
+    high.map_or(above, |high| (force - high).select_nonnegative(zero, above))
 }
 
 /// Returns whether the force of an actuator depends on the rate of its length.
@@ -240,6 +258,29 @@ fn actuator_length<S: Scalar>(
 fn unlimited_force<S: Scalar>(actuator: &Actuator, signal: S, length: Length<S>) -> S {
     let bias = affine(&actuator.bias, length);
     affine(&actuator.gain, length).mul_add(signal, bias)
+}
+
+/// Returns the control that acts now, the first of the controls that do not act yet, or this control
+/// if there are none; and appends this control to the controls that do not act yet after the step.
+fn delayed<S: Scalar>(ctrl: S, waiting: &[S], next: &mut [S]) -> S {
+    let Some((&acting, rest)) = waiting.split_first() else { return ctrl };
+    next[..rest.len()].copy_from_slice(rest);
+    next[rest.len()] = ctrl;
+    acting
+}
+
+/// Returns the least and the largest force of a torque-speed line at this speed.
+fn line_at<S: Scalar>(line: TorqueSpeedLine, speed: S) -> [S; 2] {
+    let stall = S::from_f64(line.stall_force);
+    let slope = S::from_f64(-line.stall_force / line.no_load_speed);
+    [slope.mul_add(speed, -stall), slope.mul_add(speed, stall)]
+}
+
+/// Returns the force clamped to a torque-speed line; NaN if the force is, or if the speed is.
+fn within_line<S: Scalar>(force: S, [low, high]: [S; 2]) -> S {
+    let clamped = at_most(at_least(force, low), high);
+    let square = high * high;
+    square.select_nonnegative(clamped, square)
 }
 
 /// Returns the number of an affine law. Terms with the factor zero are left out, so that a length

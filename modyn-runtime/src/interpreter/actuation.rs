@@ -33,6 +33,6 @@ impl<S: Scalar> Interpreter<S> {
         check("q", input.q, model.nq())?;
         check("qd", input.qd, model.nv())?;
         check("ctrl", input.ctrl, model.actuation().actuators.len())?;
-        check("act", input.act, model.actuation().activated().count())
+        check("act", input.act, model.actuation().states())
     }
 }

@@ -1,6 +1,6 @@
 //! Actuators: how controls become joint forces.
 
-use alloc::{string::String, vec::Vec};
+use alloc::{format, string::String, vec::Vec};
 
 use super::Model;
 
@@ -19,7 +19,8 @@ pub struct Actuation {
 /// An actuator: its force is `gain` times its input plus `bias`, within `force_range`.
 ///
 /// The input is the control, within `control_range`, or the activation. Gain and bias are affine
-/// functions of the length of the transmission and its rate. The law is `MuJoCo`'s.
+/// functions of the length of the transmission and its rate. The law is `MuJoCo`'s, apart from the
+/// torque-speed line and the delay.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Actuator {
@@ -36,12 +37,33 @@ pub struct Actuator {
     pub bias: AffineLaw,
     /// The range to which the control is clamped.
     pub control_range: Option<[f64; 2]>,
+    /// The torque-speed line, to which the force is clamped before its range.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub torque_speed_line: Option<TorqueSpeedLine>,
     /// The range to which the force is clamped.
     pub force_range: Option<[f64; 2]>,
+    /// The number of steps before a control acts, at most [`Actuator::MAX_DELAY`]. The controls that
+    /// do not act yet are states of the actuator, before its activation.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub delay: usize,
     /// The activation, which is then the input; `None`: the control is the input.
     pub activation: Option<Activation>,
     /// Whether the actuator acts. The activation of an actuator that does not act stays.
     pub enabled: bool,
+}
+
+/// The forces that a motor can have at a speed: a line from the stall force at rest to zero at the
+/// no-load speed, and beyond.
+///
+/// At the rate v of its length, the force is at most `stall_force * (1 - v / no_load_speed)`, and at
+/// least `stall_force * (-1 - v / no_load_speed)`. So beyond the no-load speed, the motor brakes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct TorqueSpeedLine {
+    /// The largest force at rest, N m or N: above zero.
+    pub stall_force: f64,
+    /// The speed at which the largest force is zero, rad/s or m/s: above zero.
+    pub no_load_speed: f64,
 }
 
 /// A number that is an affine function of an actuator's length and its rate.
@@ -128,10 +150,23 @@ pub struct JointForceRange {
     pub range: [f64; 2],
 }
 
+impl Actuator {
+    /// The largest number of steps before a control acts.
+    pub const MAX_DELAY: usize = 1000;
+
+    /// Returns the number of the actuator's states: the controls that do not act yet, and the
+    /// activation.
+    #[must_use]
+    pub fn states(&self) -> usize {
+        self.delay + usize::from(self.activation.is_some())
+    }
+}
+
 impl Actuation {
-    /// Returns the actuators with an activation, in the order of the activations.
-    pub fn activated(&self) -> impl Iterator<Item = &Actuator> {
-        self.actuators.iter().filter(|actuator| actuator.activation.is_some())
+    /// Returns the number of the states of all actuators: of the entries of `act`.
+    #[must_use]
+    pub fn states(&self) -> usize {
+        self.actuators.iter().map(Actuator::states).sum()
     }
 }
 
@@ -148,9 +183,16 @@ impl Model {
         self.actuation.actuators.iter().map(|actuator| actuator.name.as_str()).collect()
     }
 
-    /// Returns the names of the activations: of the actuators that have one.
+    /// Returns the names of the entries of `act`: for each actuator, of the controls that do not act
+    /// yet (`hip_before_2`, `hip_before_1` of the actuator `hip` with a delay of two steps), then of
+    /// its activation (`hip`).
     #[must_use]
-    pub fn activation_names(&self) -> Vec<&str> {
-        self.actuation.activated().map(|actuator| actuator.name.as_str()).collect()
+    pub fn activation_names(&self) -> Vec<String> {
+        let names = self.actuation.actuators.iter().flat_map(|actuator| {
+            let before = |steps| format!("{}_before_{steps}", actuator.name);
+            let activation = actuator.activation.map(|_| actuator.name.clone());
+            (1..=actuator.delay).rev().map(before).chain(activation)
+        });
+        names.collect()
     }
 }

@@ -5,7 +5,7 @@ use alloc::{collections::BTreeMap, vec::Vec};
 use super::{
     Activation, ActivationDynamics, Actuation, Actuator, AffineLaw, ContactShape, Friction,
     Impedance, Inertial, JointSum, Limits, Model, ModelError, ModelErrorKind, SoftConstraints,
-    SoftCoupling, SoftTendon, Softness, TendonSpring, Transmission,
+    SoftCoupling, SoftTendon, Softness, TendonSpring, TorqueSpeedLine, Transmission,
 };
 use crate::joint::JointType;
 use crate::spatial::Pose;
@@ -423,6 +423,15 @@ pub(super) fn check_actuation(model: &Model) -> Vec<ModelError> {
 /// Reports the defects of an actuator's own numbers.
 fn check_actuator(actuator: &Actuator, report: &mut impl FnMut(ModelErrorKind)) {
     let Actuator { gear, gain, bias, control_range, force_range, activation, .. } = actuator;
+    if let Some(TorqueSpeedLine { stall_force, no_load_speed }) = actuator.torque_speed_line {
+        let slope = stall_force / no_load_speed;
+        if ![stall_force, no_load_speed, slope].iter().all(|&x| x > 0.0 && x.is_finite()) {
+            report(ModelErrorKind::TorqueSpeedLine);
+        }
+    }
+    if actuator.delay > Actuator::MAX_DELAY {
+        report(ModelErrorKind::Delay);
+    }
     let laws = [gain, bias]
         .map(|AffineLaw { constant, length, velocity }| finite(&[*constant, *length, *velocity]));
     if !(gear.is_finite() && laws == [true; 2]) {

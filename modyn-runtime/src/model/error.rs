@@ -73,6 +73,10 @@ pub enum ModelErrorKind {
     ActuatorRange,
     /// The time constant of an activation is negative.
     ActivationTime,
+    /// The stall force or the no-load speed of a torque-speed line is not above zero.
+    TorqueSpeedLine,
+    /// The delay of an actuator has more than [`Actuator::MAX_DELAY`](super::Actuator::MAX_DELAY) steps.
+    Delay,
     /// A keyframe has another number of coordinates than the robot.
     KeyframeLength,
     /// A keyframe has a quaternion that is not of unit length.
@@ -135,6 +139,10 @@ impl fmt::Display for ModelError {
                  without zero"
             }
             ModelErrorKind::ActivationTime => "has an activation with a negative time constant",
+            ModelErrorKind::TorqueSpeedLine => {
+                "has a torque-speed line whose force or speed is not above zero"
+            }
+            ModelErrorKind::Delay => "has a delay of more than 1000 steps",
             ModelErrorKind::KeyframeLength => {
                 "is a keyframe with another number of coordinates than the robot"
             }

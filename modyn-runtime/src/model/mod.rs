@@ -24,7 +24,7 @@ mod touching;
 pub use crate::inertial::{INERTIAL_PARAMETERS, Inertial, InertialDefect, PARAMETERS_PER_LINK};
 pub use actuator::{
     Activation, ActivationDynamics, Actuation, Actuator, AffineLaw, FixedTendon, JointForceRange,
-    TendonJoint, Transmission,
+    TendonJoint, TorqueSpeedLine, Transmission,
 };
 pub use contact::{Contact, ContactKind};
 pub use error::{ModelError, ModelErrorKind};
@@ -299,7 +299,8 @@ impl Model {
     /// All defects: a name used twice, a joint that does not exist or has several degrees of
     /// freedom, a tendon that does not exist, a range whose lower end is not below its upper end, a
     /// range of a tendon's forces that does not contain zero, a time constant that is negative, a
-    /// number that is not finite.
+    /// torque-speed line whose force or speed is not above zero, a delay of too many steps, a number
+    /// that is not finite.
     pub fn with_actuation(mut self, actuation: Actuation) -> Result<Self, Vec<ModelError>> {
         self.actuation = actuation;
         let errors = check::check_actuation(&self);

@@ -225,7 +225,7 @@ impl Sizes {
             touching_shapes: shapes.len(),
             touching_points: shapes.iter().map(|shape| shape.shape.points()).sum(),
             controls: model.actuation().actuators.len(),
-            activations: model.actuation().activated().count(),
+            activations: model.actuation().states(),
             factors,
         }
     }

@@ -20,7 +20,8 @@ use modyn_codegen::{
 use modyn_runtime::joint::JointType;
 use modyn_runtime::model::{
     Activation, ActivationDynamics, Actuation, Actuator, AffineLaw, FixedTendon, Friction,
-    JointForceRange, Link, Model, Spring, TendonJoint, Transmission,
+    Integrator, JointForceRange, Link, Model, SoftConstraints, Spring, TendonJoint,
+    TorqueSpeedLine, Transmission,
 };
 use modyn_runtime::{ConstraintSettings, ContactTarget, Scalar};
 
@@ -215,8 +216,8 @@ fn tendons() -> Builder {
     Builder::new().model(with_tendons(model, 1)).functions([Function::Step])
 }
 
-/// Returns a gripper with actuators, among them some of a mimic joint and of a tendon, with or
-/// without activations.
+/// Returns a gripper with actuators, among them some of a mimic joint and of a tendon and some with a
+/// torque-speed line. With activations and delays the integrator is `Euler`, without `implicitfast`.
 fn actuated(activates: bool) -> Builder {
     let model = robot("mimic_gripper").generate().expect("good").model;
     let links = model.links().iter().enumerate();
@@ -243,8 +244,11 @@ fn actuated(activates: bool) -> Builder {
         gain: AffineLaw { constant: 0.8, length: 0.1 * k as f64, velocity: 0.2 },
         bias: AffineLaw { constant: 0.1, length: -0.3, velocity: -0.1 * k as f64 },
         control_range: k.is_multiple_of(2).then_some([-0.6, 0.5]),
+        torque_speed_line: (k % 4 > 1)
+            .then_some(TorqueSpeedLine { stall_force: 0.3, no_load_speed: 0.7 }),
         force_range: k.is_multiple_of(3).then_some([-0.5, 0.4]),
-        activation: (activates && k > 0).then(|| Activation {
+        delay: if activates { [0, 3, 1, 0, 2, 1, 0, 0][k] } else { 0 },
+        activation: (activates && ![0, 4].contains(&k)).then(|| Activation {
             dynamics: filters[k % 3],
             range: k.is_multiple_of(2).then_some([-0.5, 0.7]),
             early: k % 2 == 1,
@@ -257,7 +261,10 @@ fn actuated(activates: bool) -> Builder {
         tendons: vec![tendon],
         joint_force_ranges: vec![force_range],
     };
-    let model = model.with_actuation(actuation).expect("good actuators");
+    let integrator = if activates { Integrator::Euler } else { Integrator::ImplicitFast };
+    let soft = SoftConstraints { integrator, ..model.soft_constraints().clone() };
+    let model = model.with_actuation(actuation).and_then(|model| model.with_soft_constraints(soft));
+    let model = model.expect("good actuators");
     let functions = [Function::Actuate, Function::ActuateBatch, Function::StepActuated];
     Builder::new().model(model).functions(functions)
 }

@@ -38,6 +38,15 @@ modyn::modyn!(
 );
 modyn::modyn!(Level = "../good.urdf", contacts = ["tip": point("hand")], functions = [step], ground = plane);
 modyn::modyn!(
+    Actuated = "../good.urdf",
+    functions = [actuate, step_actuated],
+    actuators = [
+        "elbow": motor,
+        "sh*er": position(20, 0.5, effort = 3, saturation = 4, velocity = 10, delay = 2),
+    ],
+);
+modyn::modyn!(Driven = "../good.urdf", functions = [actuate], actuators = ["*": velocity(1.5,)]);
+modyn::modyn!(
     Bundled = "../good.urdf",
     functions = [],
     bundles = [state: (mass_matrix, jacobian("hand"), brge), "many": batch(bias_forces, link_pose(arm)),],
@@ -65,6 +74,11 @@ fn main() {
     let _ = (Little::forward_dynamics(&[0.0; 2], &[0.0; 2], &[0.0; 2]), Default::brge(&[0.0; 2]));
     assert_eq!(More::regressor(&[0.0; 2], &[0.0; 2], &[0.0; 2]).len(), More::PARAMETERS.len());
     assert_eq!((All::GRAVITY, Others::GRAVITY[2]), ([0.0, -9.81, 0.001], -9.81));
+    let forces = Actuated::actuate(&[0.3, 0.0], &[0.4, 0.0], &[1.0, 2.5], 0.01, &[0.5, 0.2]);
+    assert_eq!((forces.tau, forces.act), ([3.0, 2.5], [0.2, 1.0]));
+    assert_eq!(Actuated::CONTROL_NAMES, ["shoulder", "elbow"]);
+    assert_eq!(Actuated::ACTIVATION_NAMES, ["shoulder_before_2", "shoulder_before_1"]);
+    assert_eq!(Driven::actuate(&[0.0; 2], &[0.5, 2.0], &[1.5, 1.0], 0.01, &[]).tau, [1.5, -1.5]);
     assert_eq!(Touching::CONTACT_NAMES, ["tip", "side", "mid"]);
     assert_eq!(TouchingContacts { tip: true, ..TouchingContacts::NONE }.to_array(), [true, false, false]);
     assert_eq!((TwoLinks::NAME, TwoLinksJoint::Elbow.name()), ("two links", "elbow"));

@@ -6,7 +6,7 @@ use modyn_runtime::model::Model;
 use serde_json::{Value, json};
 
 use super::text::active_friction;
-use super::{Cost, Inspection, advice};
+use super::{Cost, Inspection, actuators, advice};
 use crate::command::diagnostics;
 use crate::escape;
 
@@ -51,6 +51,7 @@ pub fn of(inspection: &Inspection) -> String {
             "type": contact.kind.name(),
             "link": model.frames()[contact.end.frame].name,
         })).collect::<Vec<_>>(),
+        "actuators": actuators::json(model),
         "keyframes": model.keyframes().iter().map(|key| json!({
             "name": key.name,
             "q": key.q,

@@ -1,5 +1,6 @@
 //! `modyn inspect`: describes a robot, and the cost of its functions.
 
+mod actuators;
 mod advice;
 mod json;
 mod size;

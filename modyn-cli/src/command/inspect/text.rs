@@ -7,7 +7,7 @@ use modyn_codegen::diagnostics::sanitize_for_display;
 use modyn_runtime::model::{Contact, Friction, Link, LoopConstraint, Model, ModuleTree};
 use unicode_width::UnicodeWidthStr;
 
-use super::{Cost, Inspection, advice};
+use super::{Cost, Inspection, actuators, advice};
 use crate::command::numbers::four_digits;
 use crate::command::table::{Table, WIDTH, wrapped};
 
@@ -40,6 +40,9 @@ pub fn page(inspection: &Inspection) -> String {
     }
     if !model.contacts().is_empty() {
         section(&mut out, "Contacts", &contacts(model));
+    }
+    if !model.actuation().actuators.is_empty() {
+        section(&mut out, "Actuators (N m, N)", &actuators::table(model));
     }
     if !model.keyframes().is_empty() {
         let shown = model.keyframes().iter().map(|key| sanitize_for_display(&key.name));

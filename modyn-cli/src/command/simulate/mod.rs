@@ -42,7 +42,8 @@ const MAX_SAMPLES: f64 = 1e6;
 /// floor of an MJCF or an SDF, or the plane of `--ground`, by steps of MuJoCo's law, in which joint
 /// limits act, too. With `--ground`, points of `--contacts` touch it in place of the shapes. Without
 /// `--q`, the lowest shape or point of a floating robot starts on the floor. Other robots fall
-/// freely, and their joint limits act with `--limits`. Without `--csv`, `--plot` and `--html` the table
+/// freely, and their joint limits act with `--limits`. Actuators of such an MJCF and of `--actuators`
+/// act, with controls that are zero. Without `--csv`, `--plot` and `--html` the table
 /// is written to standard output.
 ///
 /// The exit code is 1 if the description is rejected or the motion diverges.
@@ -56,7 +57,7 @@ pub struct Arguments {
     step: f64,
     /// Choose the steps such that each step's error of a coordinate or velocity x is at most this
     /// tolerance times 1 + |x|, by the Runge-Kutta method of Dormand and Prince
-    #[arg(long, value_name = "TOLERANCE", value_parser = positive, conflicts_with_all = ["step", "ground", "limits"])]
+    #[arg(long, value_name = "TOLERANCE", value_parser = positive, conflicts_with_all = ["step", "ground", "limits", "actuators"])]
     tolerance: Option<f64>,
     /// The time from one row or picture to the next, s; rounded to whole steps
     #[arg(long, value_name = "S", default_value_t = 0.02, value_parser = positive)]
@@ -162,7 +163,7 @@ impl Arguments {
         Ok(Settings { step, steps, every, tolerance, contacts })
     }
 
-    /// Returns what the ground and the joint limits do.
+    /// Returns what the ground, the joint limits and the actuators do.
     fn contacts(&self, model: &Model) -> Result<Options, Failure> {
         if let Some(scene) = Options::of_scene(model) {
             let name = sanitize_for_display(model.name());
@@ -181,7 +182,9 @@ impl Arguments {
             ));
         }
         let ground = if self.has_ground() { Ground::Described } else { Ground::None };
-        Ok(Options { ground, limits: if self.limits { Limits::Act } else { Limits::None } })
+        let actuators = !self.robot.options.read_options().actuators.is_empty();
+        let limits = if self.limits { Limits::Act } else { Limits::None };
+        Ok(Options { ground, limits, actuators })
     }
 
     /// Returns whether the option `ground` is given.

@@ -95,6 +95,7 @@ impl Robot<'_> {
                 names.len()
             );
         }
+        let states = model.activation_names();
         let lists = [
             (
                 model.control_names(),
@@ -102,7 +103,7 @@ impl Robot<'_> {
                 "The names of the controls: of the actuators.",
             ),
             (
-                model.activation_names(),
+                states.iter().map(String::as_str).collect(),
                 "ACTIVATION_NAMES",
                 "The names of the activations: of the actuators that have a state.",
             ),

@@ -182,14 +182,17 @@ fn actuation(model: &Model) -> String {
     let actuators = list(actuators.iter().map(|actuator| {
         format!(
             "Actuator {{ name: {:?}.into(), transmission: Transmission::{:?}, gear: {:?}, gain: {:?}, \
-             bias: {:?}, control_range: {}, force_range: {}, activation: {}, enabled: {:?} }}",
+             bias: {:?}, control_range: {}, torque_speed_line: {:?}, force_range: {}, delay: {}, \
+             activation: {}, enabled: {:?} }}",
             actuator.name,
             actuator.transmission,
             actuator.gear,
             actuator.gain,
             actuator.bias,
             range(actuator.control_range),
+            actuator.torque_speed_line,
             range(actuator.force_range),
+            actuator.delay,
             match &actuator.activation {
                 None => "None".into(),
                 Some(activation) => format!(
@@ -216,7 +219,7 @@ fn actuation(model: &Model) -> String {
     }));
     format!(
         ".and_then(|model| {{\n            use __modyn::model::{{Activation, ActivationDynamics, Actuation, \
-         Actuator, AffineLaw, FixedTendon, JointForceRange, TendonJoint, Transmission}};\n            \
+         Actuator, AffineLaw, FixedTendon, JointForceRange, TendonJoint, TorqueSpeedLine, Transmission}};\n            \
          model.with_actuation(Actuation {{ actuators: {actuators}.into(), tendons: {tendons}.into(), \
          joint_force_ranges: {ranges}.into() }})\n        }})\n        "
     )

@@ -328,7 +328,9 @@ impl<'e> Bodies<'e, '_, '_> {
                 _ => AffineLaw::default(),
             },
             control_range: control.filter(|_| flags.clamps_controls),
+            torque_speed_line: None,
             force_range: force,
+            delay: 0,
             activation: dynamics.map(|dynamics| Activation {
                 dynamics,
                 range: activation,
