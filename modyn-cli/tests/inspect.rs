@@ -47,7 +47,7 @@ fn lines_fit_a_hundred_columns() {
 fn actuators_are_shown() {
     let actuators =
         ["left_slide: position(20, 0.5, effort = 3, saturation = 4, velocity = 2, delay = 2)"];
-    let start = ["inspect", "robots/mimic_gripper.urdf", "--actuators"];
+    let start = ["inspect", "robots/mimic_gripper.urdf", "--friction", "none", "--actuators"];
     let text = modyn(&[&start[..], &actuators].concat()).out;
     let law = "20 ctrl - 20 x - 0.5 v; within -3 to 3; at most 4 (1 - v / 2); 2 steps late";
     let words = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");

@@ -147,7 +147,8 @@ macro_rules! option_table {
                 /// (N m or N) at the end is the largest force; by default the effort limit of the
                 /// description. `saturation` is the stall force of a torque-speed line, and
                 /// `velocity` its no-load speed, by default the velocity limit. `delay` is the
-                /// number of steps before a control acts. They replace the actuators of an MJCF.
+                /// number of steps before a control acts. The option replaces the actuators of an
+                /// MJCF.
                 "actuators" actuators(actuators: impl IntoIterator<Item = JointActuator>)
                     actuators: Vec<JointActuator>, field => field.extend(actuators),
                     "[\"joint\": position(kp, kd), ...]",

@@ -372,7 +372,7 @@ def test_actuators_of_a_urdf(seed):
             actuator.set_to_motor()
         else:
             kp, kv = (200, 5) if name == "joint3" else (60, 2)
-            actuator.set_to_position(kp=kp, kv=[kv])
+            actuator.set_to_position(kp=kp, kv=kv)
     model = spec.compile()
     model.opt.timestep, model.opt.tolerance, model.opt.ls_tolerance = 0.002, 0, 1e-12
     model.opt.iterations, model.opt.ls_iterations = 300, 100
@@ -382,7 +382,7 @@ def test_actuators_of_a_urdf(seed):
     settings.tolerance = 1e-13
     [q], [qd], _, _ = states(robot, 1, seed=seed)
     controls = np.random.default_rng(seed).normal(size=(50, 5)) * np.where(np.array(robot.control_names) == "joint4", 12, 1)
-    q[:3] = [0, 0, 0.5]
+    q[:3] = [0, 0, 0.0]
     data.qpos[:], data.qvel[:] = theirs.to_qpos(q), theirs.to_qvel(q, qd)
     motion = robot.rollout(q, qd, controls, 0.002, step="actuated", settings=settings)
     limited, touching = 0, 0

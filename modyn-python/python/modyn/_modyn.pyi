@@ -63,7 +63,7 @@ class Options(TypedDict, total=False):
     `position(kp, kd)` with the target position as its control, `velocity(kd)` with the target velocity, or
     `motor` with the force. `effort` (N m or N) at the end is the largest force; by default the effort limit of
     the description. `saturation` is the stall force of a torque-speed line, and `velocity` its no-load speed,
-    by default the velocity limit. `delay` is the number of steps before a control acts. They replace the
+    by default the velocity limit. `delay` is the number of steps before a control acts. The option replaces the
     actuators of an MJCF. By default the description's. For example: `{"elb*": ("position", 20, 0.5, {"effort":
     23.5, "saturation": 30, "velocity": 25, "delay": 2})}`."""
     friction: str | tuple[str, float] | None

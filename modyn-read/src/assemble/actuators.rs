@@ -1,5 +1,4 @@
-//! Actuators: those of the options, and those of the description, whose joints become links of the
-//! model.
+//! The actuators of the options and of the description, whose joints become links of the model.
 
 use modyn_runtime::model::{
     Actuation, Actuator, AffineLaw, JointForceRange, Limits, Link, TorqueSpeedLine, Transmission,
@@ -12,8 +11,8 @@ use crate::description::{
 use crate::diagnostics::{Code, Diagnostic, Report, Severity, Subject, Suggestions, listed};
 use crate::work::counted;
 
-/// Replaces the actuators of the description by those of the options, if there are some. Errors of an
-/// option have no place in the file.
+/// Replaces the actuators of the description by the options' actuators, if there are some. Errors of
+/// an option have no place in the file.
 pub fn apply(description: &mut Description, options: &ReadOptions, report: &mut Report<'_>) {
     if options.actuators.is_empty() {
         return;
@@ -72,7 +71,7 @@ fn push_error(joint: &str, message: String, help: String, report: &mut Report<'_
 
 /// Returns the message and the help about the numbers of an actuator that are out of their range.
 fn number_error(actuator: &JointActuator) -> Option<[&'static str; 2]> {
-    let is_gain = |gain: f64| gain >= 0.0 && gain < MAX_NUMBER;
+    let is_gain = |gain: f64| (0.0..MAX_NUMBER).contains(&gain);
     let has_gains = match actuator.law {
         ControlLaw::Position { kp, kd } => is_gain(kp) && is_gain(kd),
         ControlLaw::Velocity { kd } => is_gain(kd),

@@ -102,7 +102,7 @@ fn law(actuator: &Actuator) -> String {
 /// Returns an affine law of the length x and the rate v.
 fn sum(AffineLaw { constant, length, velocity }: AffineLaw) -> String {
     let mut text = String::new();
-    for (factor, of) in [(constant, ""), (length, " x"), (velocity, " v")] {
+    for (factor, quantity) in [(constant, ""), (length, " x"), (velocity, " v")] {
         if factor != 0.0 {
             text += match (text.is_empty(), factor < 0.0) {
                 (true, false) => "",
@@ -110,7 +110,7 @@ fn sum(AffineLaw { constant, length, velocity }: AffineLaw) -> String {
                 (false, false) => " + ",
                 (false, true) => " - ",
             };
-            text += &format!("{}{of}", four_digits(factor.abs()));
+            text += &format!("{}{quantity}", four_digits(factor.abs()));
         }
     }
     if text.is_empty() { "0".into() } else { text }

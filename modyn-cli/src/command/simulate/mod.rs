@@ -57,7 +57,12 @@ pub struct Arguments {
     step: f64,
     /// Choose the steps such that each step's error of a coordinate or velocity x is at most this
     /// tolerance times 1 + |x|, by the Runge-Kutta method of Dormand and Prince
-    #[arg(long, value_name = "TOLERANCE", value_parser = positive, conflicts_with_all = ["step", "ground", "limits", "actuators"])]
+    #[arg(
+        long,
+        value_name = "TOLERANCE",
+        value_parser = positive,
+        conflicts_with_all = ["step", "ground", "limits", "actuators"],
+    )]
     tolerance: Option<f64>,
     /// The time from one row or picture to the next, s; rounded to whole steps
     #[arg(long, value_name = "S", default_value_t = 0.02, value_parser = positive)]
