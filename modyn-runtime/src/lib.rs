@@ -41,6 +41,7 @@ pub mod model;
 mod nalgebra;
 #[doc(hidden)]
 pub mod parameters;
+#[cfg(feature = "alloc")]
 pub mod quantities;
 mod results;
 mod robot;

@@ -212,8 +212,7 @@ macro_rules! results {
         let (given, links, each) = ($given, $links, $each);
         let mut results = Vec::new();
         $(let params = $params;)?
-        ::modyn_runtime::quantities! {
-            $crate::row_results,
+        $crate::row_results! {
             [$functions ($form $robot, $float, given links each results [$($params, params)?])]
         }
         results
@@ -223,25 +222,86 @@ macro_rules! results {
     };
 }
 
-/// Pushes the results of each row of the table.
+/// Pushes the results of each function that all robots have. A row: whether it is a default
+/// function, the function, its name, its name with parameters, its arguments, and its link.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! row_results {
-    ([$functions:ident $to:tt] $(
-        $function:ident $name:ident $(/ $with:ident)? ($($argument:ident),* $(; $link:ident)?)
-        -> $result:ident $(as $named:literal)?, $flags:tt, $docs:literal, $message:literal
-        $(, batch $batch:ident $batch_message:literal)?
-        => |$robot:ident, $out:tt| $body:expr;
+    ([$functions:ident $to:tt]) => {
+        $crate::row_results! {
+            @each $functions $to
+            // <!-- data: calls-of-tests -->
+            default ForwardDynamics forward_dynamics [forward_dynamics_with] [q qd tau] [];
+            default InverseDynamics inverse_dynamics [inverse_dynamics_with] [q qd qdd] [];
+            default BiasForces bias_forces [bias_forces_with] [q qd] [];
+            default GravityTorques gravity_torques [gravity_torques_with] [q] [];
+            default MassMatrix mass_matrix [mass_matrix_with] [q] [];
+            other CoriolisMatrix coriolis_matrix [coriolis_matrix_with] [q qd] [];
+            default Brge brge [brge_with] [q] [];
+            default KineticEnergy kinetic_energy [kinetic_energy_with] [q qd] [];
+            default PotentialEnergy potential_energy [potential_energy_with] [q] [];
+            other ForwardDynamicsExternal forward_dynamics_external [forward_dynamics_external_with] [q qd tau forces] [];
+            other ForwardDynamicsExternalWorld forward_dynamics_external_world [forward_dynamics_external_world_with] [q qd tau forces] [];
+            other InverseDynamicsExternal inverse_dynamics_external [inverse_dynamics_external_with] [q qd qdd forces] [];
+            other InverseDynamicsExternalWorld inverse_dynamics_external_world [inverse_dynamics_external_world_with] [q qd qdd forces] [];
+            other GeneralizedForces generalized_forces [] [q forces] [];
+            other GeneralizedForcesWorld generalized_forces_world [] [q forces] [];
+            other InverseDynamicsDerivatives inverse_dynamics_derivatives [inverse_dynamics_derivatives_with] [q qd qdd] [];
+            other ForwardDynamicsDerivatives forward_dynamics_derivatives [forward_dynamics_derivatives_with] [q qd tau] [];
+            other InverseDynamicsVjp inverse_dynamics_vjp [inverse_dynamics_vjp_with] [q qd qdd cotangent] [];
+            other InverseDynamicsJvp inverse_dynamics_jvp [inverse_dynamics_jvp_with] [q qd qdd dq dqd dqdd] [];
+            other ForwardDynamicsVjp forward_dynamics_vjp [forward_dynamics_vjp_with] [q qd tau cotangent] [];
+            other ForwardDynamicsJvp forward_dynamics_jvp [forward_dynamics_jvp_with] [q qd tau dq dqd dtau] [];
+            other InverseDynamicsHessian inverse_dynamics_hessian [inverse_dynamics_hessian_with] [q qd qdd cotangent] [];
+            other ForwardDynamicsHessian forward_dynamics_hessian [forward_dynamics_hessian_with] [q qd tau cotangent] [];
+            other StepSemiImplicit step_semi_implicit [step_semi_implicit_with] [q qd tau dt] [];
+            other StepSemiImplicitDerivatives step_semi_implicit_derivatives [step_semi_implicit_derivatives_with] [q qd tau dt] [];
+            other StepSemiImplicitHessian step_semi_implicit_hessian [step_semi_implicit_hessian_with] [q qd tau dt costate] [];
+            other StepRk4 step_rk4 [step_rk4_with] [q qd tau dt] [];
+            other StepRk4Derivatives step_rk4_derivatives [step_rk4_derivatives_with] [q qd tau dt] [];
+            other StepImplicitMidpoint step_implicit_midpoint [step_implicit_midpoint_with] [q qd tau dt] [];
+            other StepImplicitMidpointDerivatives step_implicit_midpoint_derivatives [step_implicit_midpoint_derivatives_with] [q qd tau dt] [];
+            other Step step [step_with] [q qd tau dt warm_start step_settings] [];
+            other Regressor regressor [regressor_with] [q qd qdd] [];
+            default CenterOfMass center_of_mass [center_of_mass_with] [q] [];
+            other CenterOfMassJacobian center_of_mass_jacobian [center_of_mass_jacobian_with] [q] [];
+            other CentroidalMomentumMatrix centroidal_momentum_matrix [centroidal_momentum_matrix_with] [q] [];
+            other CentroidalCompositeInertia centroidal_composite_inertia [centroidal_composite_inertia_with] [q] [];
+            other CentroidalMomentum centroidal_momentum [centroidal_momentum_with] [q qd] [];
+            other CentroidalMomentumRate centroidal_momentum_rate [centroidal_momentum_rate_with] [q qd qdd] [];
+            other CentroidalMomentumDerivatives centroidal_momentum_derivatives [centroidal_momentum_derivatives_with] [q qd qdd] [];
+            default LinkPoses link_poses [] [q] [];
+            default LinkPose link_pose [] [q] [link];
+            other LinkVelocity link_velocity [] [q qd] [link];
+            other LocalLinkVelocity local_link_velocity [] [q qd] [link];
+            other LinkAcceleration link_acceleration [] [q qd qdd] [link];
+            other LocalLinkAcceleration local_link_acceleration [] [q qd qdd] [link];
+            default Jacobian jacobian [] [q] [link];
+            other LocalJacobian local_jacobian [] [q] [link];
+            other JacobianTimeDerivative jacobian_time_derivative [] [q qd] [link];
+            other LocalJacobianTimeDerivative local_jacobian_time_derivative [] [q qd] [link];
+            other BiasAcceleration bias_acceleration [] [q qd] [link];
+            other LocalBiasAcceleration local_bias_acceleration [] [q qd] [link];
+            default Integrate integrate [] [q v] [];
+            default Difference difference [] [from to] [];
+            other IntegrateDerivatives integrate_derivatives [] [q v] [];
+            other DifferenceDerivatives difference_derivatives [] [from to] [];
+            default VelocityToQdot velocity_to_qdot [] [q qd] [];
+            default Normalize normalize [] [q] [];
+            default Random random [] [uniforms] [];
+            // <!-- end -->
+        }
+    };
+    (@each $functions:ident $to:tt $(
+        $default:ident $function:ident $name:ident $with:tt $arguments:tt $link:tt;
     )*) => {
         $($crate::row_results! {
-            @$functions $flags $to $function $name [$($with)?] [$($argument)*] [$($link)?]
+            @$functions $default $to $function $name $with $arguments $link
         })*
     };
-    (@$functions:ident [$(default)? constraints $($flag:ident)*] $($row:tt)*) => {};
-    (@$functions:ident [$(default)? actuators $($flag:ident)*] $($row:tt)*) => {};
-    (@all $flags:tt $($row:tt)*) => { $crate::row_results! { @row $($row)* } };
-    (@default [default $($flag:ident)*] $($row:tt)*) => { $crate::row_results! { @row $($row)* } };
-    (@default $flags:tt $($row:tt)*) => {};
+    (@default other $($row:tt)*) => {};
+    (@default default $($row:tt)*) => { $crate::row_results! { @row $($row)* } };
+    (@all $default:ident $($row:tt)*) => { $crate::row_results! { @row $($row)* } };
     (@row (own_with $($to:tt)*) $function:ident $name:ident [] $($row:tt)*) => {};
     (@row (trait_with $($to:tt)*) $function:ident $name:ident [] $($row:tt)*) => {};
     (

@@ -14,6 +14,7 @@ mod measured;
 mod operations;
 mod options;
 mod python;
+mod rust;
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -29,8 +30,12 @@ const FILES: [(&str, Make); 3] = [
 ];
 
 /// The files with marks, besides the pages of `docs` and `docs/internals`.
-const MARKED: [&str; 4] = [
+const MARKED: [&str; 8] = [
     "README.md",
+    "modyn-runtime/src/quantities/function.rs",
+    "modyn-runtime/src/functions.rs",
+    "modyn-runtime/src/robot/mod.rs",
+    "tests/src/values.rs",
     "modyn-python/src/methods.rs",
     "modyn-python/python/modyn/_results.py",
     "modyn-python/python/modyn/_modyn.pyi",
@@ -38,9 +43,16 @@ const MARKED: [&str; 4] = [
 
 /// The marks of texts that are made of the compiler's tables. The others show a file of
 /// `docs/data`.
-const MARKS: [(&str, Make); 9] = [
+const MARKS: [(&str, Make); 20] = [
+    ("calls-of-tests", rust::calls_of_tests),
+    ("default-functions", rust::default_functions),
+    ("default-functions-of-constraints", rust::default_functions_of_constraints),
     ("error-list", errors::list),
     ("function-table", functions::table),
+    ("function-variants", rust::variants),
+    ("functions-of-constraints-for-many-states", rust::functions_of_constraints_for_many_states),
+    ("functions-of-many-states", rust::functions_of_many_states),
+    ("functions-of-one-state", rust::functions_of_one_state),
     ("gallery", gallery::table_of_robots),
     ("option-table", options::whole),
     ("options-of-files", options::of_files),
@@ -48,6 +60,10 @@ const MARKS: [(&str, Make); 9] = [
     ("python-methods", python::methods),
     ("python-options", python::option_stubs),
     ("python-results", python::results),
+    ("robot-functions", rust::robot_functions),
+    ("traits-of-constraints", rust::traits_of_constraints),
+    ("traits-of-dynamics", rust::traits_of_dynamics),
+    ("traits-of-kinematics", rust::traits_of_kinematics),
 ];
 
 /// Returns the text of the mark `name`.
@@ -121,6 +137,14 @@ fn difference(path: &str, found: &str, expected: &str) -> String {
 
 const BEGIN: &str = "<!-- data: ";
 const END: &str = "<!-- end -->";
+
+/// Returns the text of a file without the texts between marks.
+pub(crate) fn without_made_texts(text: &str) -> String {
+    let mut parts = text.split(BEGIN);
+    let first = parts.next();
+    let others = parts.map(|part| part.split_once(END).map_or(part, |(_, after)| after));
+    first.into_iter().chain(others).collect()
+}
 
 /// Returns the text of a file with the text of each mark, and adds the names of the marks to
 /// `names`.
@@ -237,5 +261,6 @@ mod tests {
         let expected =
             page.replacen("old\n", &format!("{number}It is "), 1).replace("old", &number);
         assert_eq!(filled("page.md", page, &mut BTreeSet::new()), expected);
+        assert_eq!(without_made_texts(page), "It is  and .\n");
     }
 }

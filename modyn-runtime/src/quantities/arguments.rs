@@ -1,7 +1,7 @@
 //! The arguments of functions: their names, kinds and order.
 
-use super::shape::{Shape, Sizes, shapes};
-use super::table;
+use super::shape::{Shape, Sizes};
+use super::shapes;
 
 /// An argument of a function.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -109,36 +109,64 @@ impl Argument {
     }
 }
 
-/// Declares the arguments of the table in the order that they have in every function.
-macro_rules! declare_arguments {
-    ($($name:ident $kind:ident,)*) => {
-        /// The arguments of functions of the table, in the order that they have in every function.
-        pub const ARGUMENTS: &[Argument] =
-            &[$(Argument { name: stringify!($name), kind: ArgumentKind::$kind }),*];
-    };
-}
+// The arguments by name, for the rows of the table.
+pub(super) const Q: Argument = Argument { name: "q", kind: ArgumentKind::Coordinates };
+pub(super) const QD: Argument = Argument { name: "qd", kind: ArgumentKind::Velocities };
+pub(super) const QDD: Argument = Argument { name: "qdd", kind: ArgumentKind::Velocities };
+pub(super) const TAU: Argument = Argument { name: "tau", kind: ArgumentKind::Velocities };
+pub(super) const DQ: Argument = Argument { name: "dq", kind: ArgumentKind::Velocities };
+pub(super) const DQD: Argument = Argument { name: "dqd", kind: ArgumentKind::Velocities };
+pub(super) const DQDD: Argument = Argument { name: "dqdd", kind: ArgumentKind::Velocities };
+pub(super) const DTAU: Argument = Argument { name: "dtau", kind: ArgumentKind::Velocities };
+pub(super) const COTANGENT: Argument =
+    Argument { name: "cotangent", kind: ArgumentKind::Velocities };
+pub(super) const WRENCH_COTANGENT: Argument =
+    Argument { name: "wrench_cotangent", kind: ArgumentKind::ConstraintWrenches };
+pub(super) const CTRL: Argument = Argument { name: "ctrl", kind: ArgumentKind::Controls };
+pub(super) const DT: Argument = Argument { name: "dt", kind: ArgumentKind::Time };
+pub(super) const COSTATE: Argument = Argument { name: "costate", kind: ArgumentKind::State };
+pub(super) const V: Argument = Argument { name: "v", kind: ArgumentKind::Velocities };
+pub(super) const FROM: Argument = Argument { name: "from", kind: ArgumentKind::Coordinates };
+pub(super) const TO: Argument = Argument { name: "to", kind: ArgumentKind::Coordinates };
+pub(super) const FORCES: Argument = Argument { name: "forces", kind: ArgumentKind::Wrenches };
+pub(super) const IMPULSES: Argument =
+    Argument { name: "impulses", kind: ArgumentKind::ContactVectors };
+pub(super) const CONTACTS: Argument = Argument { name: "contacts", kind: ArgumentKind::Contacts };
+pub(super) const SETTINGS: Argument = Argument { name: "settings", kind: ArgumentKind::Settings };
+pub(super) const ACT: Argument = Argument { name: "act", kind: ArgumentKind::Activations };
+pub(super) const APPLIED: Argument = Argument { name: "applied", kind: ArgumentKind::Velocities };
+pub(super) const WARM_START: Argument =
+    Argument { name: "warm_start", kind: ArgumentKind::Velocities };
+pub(super) const STEP_SETTINGS: Argument =
+    Argument { name: "step_settings", kind: ArgumentKind::StepSettings };
+pub(super) const UNIFORMS: Argument =
+    Argument { name: "uniforms", kind: ArgumentKind::RandomNumbers };
 
-table::arguments!(declare_arguments);
-
-/// Returns the argument of this name.
-pub(super) const fn argument(name: &str) -> Argument {
-    let mut i = 0;
-    while i < ARGUMENTS.len() {
-        if same(ARGUMENTS[i].name, name) {
-            return ARGUMENTS[i];
-        }
-        i += 1;
-    }
-    panic!("the table of arguments has no argument of this name")
-}
-
-/// Returns whether two names are equal.
-pub(super) const fn same(a: &str, b: &str) -> bool {
-    let a = a.as_bytes();
-    let b = b.as_bytes();
-    let mut i = 0;
-    while i < a.len() && i < b.len() && a[i] == b[i] {
-        i += 1;
-    }
-    i == a.len() && i == b.len()
-}
+/// The arguments of functions of the table, in the order that they have in every function.
+pub const ARGUMENTS: &[Argument] = &[
+    Q,
+    QD,
+    QDD,
+    TAU,
+    DQ,
+    DQD,
+    DQDD,
+    DTAU,
+    COTANGENT,
+    WRENCH_COTANGENT,
+    CTRL,
+    DT,
+    COSTATE,
+    V,
+    FROM,
+    TO,
+    FORCES,
+    IMPULSES,
+    CONTACTS,
+    SETTINGS,
+    ACT,
+    APPLIED,
+    WARM_START,
+    STEP_SETTINGS,
+    UNIFORMS,
+];

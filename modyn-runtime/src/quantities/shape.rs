@@ -231,127 +231,14 @@ impl Sizes {
     }
 }
 
-/// The layouts in the table of functions, by name.
-#[allow(missing_docs)]
-#[doc(hidden)]
-pub mod shapes {
-    use alloc::{vec, vec::Vec};
-
-    use super::{Record, Shape, Sizes};
-    use crate::model::PARAMETERS_PER_LINK;
-    use crate::quantities::layouts;
-
-    /// Defines a function for each layout.
-    macro_rules! declare_layouts {
-        ($($name:ident ($($type:tt)*) |$sizes:pat_param| $layout:expr;)*) => {
-            $(
-                #[must_use]
-                pub fn $name($sizes: &Sizes) -> Shape {
-                    $layout
-                }
-            )*
-        };
-    }
-
-    layouts::layouts!(declare_layouts);
-
-    pub fn state(s: &Sizes) -> Shape {
-        Shape::vector(2 * s.nv)
-    }
-
-    pub fn wrenches(s: &Sizes) -> Shape {
-        Shape::wrench().array(s.links)
-    }
-
-    pub fn constraint_wrenches(s: &Sizes) -> Shape {
-        Shape::wrench().array(s.constraints)
-    }
-
-    pub fn contact_vectors(s: &Sizes) -> Shape {
-        Shape::vector3().array(s.contacts)
-    }
-
-    pub fn point_forces(s: &Sizes) -> Shape {
-        Shape::vector3().array(s.touching_points)
-    }
-
-    pub fn controls(s: &Sizes) -> Shape {
-        Shape::vector(s.controls)
-    }
-
-    pub fn activations(s: &Sizes) -> Shape {
-        Shape::vector(s.activations)
-    }
-
-    pub fn contacts(s: &Sizes) -> Shape {
-        Shape::Record(Record::Contacts, vec![("", Shape::vector(s.contacts))])
-    }
-
-    pub fn settings(s: &Sizes) -> Shape {
-        let scalars = |names: &[&'static str]| -> Vec<(&'static str, Shape)> {
-            names.iter().map(|&name| (name, Shape::Scalar)).collect()
-        };
-        let target_fields = [
-            vec![("pose", Shape::pose()), ("velocity", Shape::twist())],
-            scalars(&["tangential", "alpha", "beta", "compliance", "restitution", "weight"]),
-        ];
-        let target = Shape::Record(Record::Plain("ContactTarget"), target_fields.concat());
-        let mut fields = scalars(&["alpha", "beta", "tolerance", "rounding"]);
-        fields.push(("contacts", target.array(s.contacts)));
-        named_fields("ConstraintSettings", fields)
-    }
-
-    pub fn step_settings(s: &Sizes) -> Shape {
-        let surface_fields = vec![
-            ("plane", Shape::pose()),
-            ("radius", Shape::Scalar),
-            ("friction", Shape::Scalar),
-            ("torsional_friction", Shape::Scalar),
-            ("rolling_friction", Shape::Scalar),
-            ("margin", Shape::Scalar),
-            ("solref", Shape::vector(2)),
-            ("solimp", Shape::vector(4)),
-        ];
-        let surface = Shape::Record(Record::Plain("ContactSurface"), surface_fields);
-        let fields = vec![
-            ("tolerance", Shape::Scalar),
-            ("impratio", Shape::Scalar),
-            ("contacts", surface.array(s.touching_shapes)),
-        ];
-        named_fields("StepSettings", fields)
-    }
-
-    fn named_fields(name: &'static str, fields: Vec<(&'static str, Shape)>) -> Shape {
-        Shape::Record(Record::Several(name), fields)
-    }
-
-    /// Returns the layout of joint vectors.
-    fn vectors(name: &'static str, fields: &[&'static str], s: &Sizes) -> Shape {
-        named_fields(name, fields.iter().map(|&field| (field, velocities(s))).collect())
-    }
-
-    /// Returns the layout of joint vectors, then square matrices.
-    fn hessian(
-        name: &'static str,
-        vectors: &[&'static str],
-        matrices: &[&'static str],
-        s: &Sizes,
-    ) -> Shape {
-        let vectors = vectors.iter().map(|&field| (field, velocities(s)));
-        named_fields(
-            name,
-            vectors.chain(matrices.iter().map(|&field| (field, square(s)))).collect(),
-        )
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use alloc::vec;
 
     use crate::{ConstraintSettings, ContactTarget};
 
-    use super::{Shape, Sizes, shapes};
+    use super::{Shape, Sizes};
+    use crate::quantities::shapes;
 
     /// The runtime reads settings from numbers in the order of the layout.
     #[test]

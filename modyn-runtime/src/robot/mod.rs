@@ -4,15 +4,12 @@ mod array;
 #[cfg(feature = "alloc")]
 mod embedded_model;
 mod factorization;
-mod functions;
-#[macro_use]
-mod types;
 
 use crate::Scalar;
 use crate::configuration::{self, ConfigurationError};
 use crate::constants::{JointLimits, KinematicModule, ShapeCenter};
 use crate::constraint_settings::{ConstraintSettings, ContactSet, ContactTarget};
-use crate::quantities::table;
+use crate::functions::{self, not_generated};
 use crate::results::{
     ActuatedStep, ActuatorForces, CentroidalMomentumDerivatives, ConstrainedForwardDynamics,
     ConstrainedForwardDynamicsDerivatives, ConstrainedForwardDynamicsHessian,
@@ -24,7 +21,6 @@ use crate::results::{
 };
 use crate::spatial::{Momentum, Pose, Twist, Vector3, Wrench};
 use crate::step_settings::{ContactSurface, StepSettings};
-use functions::{declare_function, declare_functions, missing};
 
 #[cfg(feature = "alloc")]
 pub use embedded_model::EmbeddedModel;
@@ -68,6 +64,7 @@ pub(crate) type SurfaceSettings<R, T> =
 ///     R::inverse_dynamics(q, qd, &qdd)
 /// }
 /// ```
+#[allow(clippy::too_many_arguments, clippy::type_complexity, unused_variables)]
 pub trait Robot {
     /// The robot's name in its description.
     const NAME: &'static str;
@@ -152,7 +149,1611 @@ pub trait Robot {
     /// The type of the factorization by modules.
     type UduFactorization<T: Scalar>: Factorization<T, V = Self::V<T>, M = Self::M<T>>;
 
-    table::quantities!(declare_functions);
+    // <!-- data: robot-functions -->
+    /// Returns the joint accelerations (rad/s^2 or m/s^2) at the coordinates `q` and velocities `qd` under the
+    /// joint forces `tau` (N m or N), gravity included. The method is block reverse Gaussian elimination of the
+    /// mass matrix by inter- and intra-modular recursion.
+    fn forward_dynamics_with<T: Scalar>(
+        params: &Self::Params<T>,
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        tau: &Self::V<T>,
+    ) -> Self::V<T>
+    where
+        Self: functions::ForwardDynamics,
+    {
+        const { not_generated() }
+    }
+
+    /// Calls [`forward_dynamics_with`](Self::forward_dynamics_with) with the default parameters.
+    fn forward_dynamics<T: Scalar>(q: &Self::Q<T>, qd: &Self::V<T>, tau: &Self::V<T>) -> Self::V<T>
+    where
+        Self: functions::ForwardDynamics,
+    {
+        Self::forward_dynamics_with(&Self::Params::<T>::default(), q, qd, tau)
+    }
+
+    /// Returns the joint forces (N m or N) of the accelerations `qdd` at the coordinates `q` and velocities
+    /// `qd`, gravity included, by the recursive Newton-Euler algorithm.
+    fn inverse_dynamics_with<T: Scalar>(
+        params: &Self::Params<T>,
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        qdd: &Self::V<T>,
+    ) -> Self::V<T>
+    where
+        Self: functions::InverseDynamics,
+    {
+        const { not_generated() }
+    }
+
+    /// Calls [`inverse_dynamics_with`](Self::inverse_dynamics_with) with the default parameters.
+    fn inverse_dynamics<T: Scalar>(q: &Self::Q<T>, qd: &Self::V<T>, qdd: &Self::V<T>) -> Self::V<T>
+    where
+        Self: functions::InverseDynamics,
+    {
+        Self::inverse_dynamics_with(&Self::Params::<T>::default(), q, qd, qdd)
+    }
+
+    /// Returns the bias forces (N m or N): inverse dynamics at zero acceleration. They are the Coriolis,
+    /// centrifugal and gravity forces and those of springs, with damping and friction if these are enabled.
+    fn bias_forces_with<T: Scalar>(
+        params: &Self::Params<T>,
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+    ) -> Self::V<T>
+    where
+        Self: functions::BiasForces,
+    {
+        const { not_generated() }
+    }
+
+    /// Calls [`bias_forces_with`](Self::bias_forces_with) with the default parameters.
+    fn bias_forces<T: Scalar>(q: &Self::Q<T>, qd: &Self::V<T>) -> Self::V<T>
+    where
+        Self: functions::BiasForces,
+    {
+        Self::bias_forces_with(&Self::Params::<T>::default(), q, qd)
+    }
+
+    /// Returns the joint forces (N m or N) that balance gravity and springs at `q` and zero velocity.
+    fn gravity_torques_with<T: Scalar>(params: &Self::Params<T>, q: &Self::Q<T>) -> Self::V<T>
+    where
+        Self: functions::GravityTorques,
+    {
+        const { not_generated() }
+    }
+
+    /// Calls [`gravity_torques_with`](Self::gravity_torques_with) with the default parameters.
+    fn gravity_torques<T: Scalar>(q: &Self::Q<T>) -> Self::V<T>
+    where
+        Self: functions::GravityTorques,
+    {
+        Self::gravity_torques_with(&Self::Params::<T>::default(), q)
+    }
+
+    /// Returns the mass matrix at `q`, nv x nv, an array of columns.
+    fn mass_matrix_with<T: Scalar>(params: &Self::Params<T>, q: &Self::Q<T>) -> Self::M<T>
+    where
+        Self: functions::MassMatrix,
+    {
+        const { not_generated() }
+    }
+
+    /// Calls [`mass_matrix_with`](Self::mass_matrix_with) with the default parameters.
+    fn mass_matrix<T: Scalar>(q: &Self::Q<T>) -> Self::M<T>
+    where
+        Self: functions::MassMatrix,
+    {
+        Self::mass_matrix_with(&Self::Params::<T>::default(), q)
+    }
+
+    /// Returns the Coriolis matrix C, nv x nv, an array of columns. C `qd` are the Coriolis and centrifugal forces,
+    /// without gravity, damping and friction, and dM/dt - 2 C is skew with the mass matrix M.
+    fn coriolis_matrix_with<T: Scalar>(
+        params: &Self::Params<T>,
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+    ) -> Self::M<T>
+    where
+        Self: functions::CoriolisMatrix,
+    {
+        const { not_generated() }
+    }
+
+    /// Calls [`coriolis_matrix_with`](Self::coriolis_matrix_with) with the default parameters.
+    fn coriolis_matrix<T: Scalar>(q: &Self::Q<T>, qd: &Self::V<T>) -> Self::M<T>
+    where
+        Self: functions::CoriolisMatrix,
+    {
+        Self::coriolis_matrix_with(&Self::Params::<T>::default(), q, qd)
+    }
+
+    /// Returns the factorization U D U^T of the mass matrix at `q` by kinematic modules, by block reverse
+    /// Gaussian elimination.
+    fn brge_with<T: Scalar>(params: &Self::Params<T>, q: &Self::Q<T>) -> Self::UduFactorization<T>
+    where
+        Self: functions::Brge,
+    {
+        const { not_generated() }
+    }
+
+    /// Calls [`brge_with`](Self::brge_with) with the default parameters.
+    fn brge<T: Scalar>(q: &Self::Q<T>) -> Self::UduFactorization<T>
+    where
+        Self: functions::Brge,
+    {
+        Self::brge_with(&Self::Params::<T>::default(), q)
+    }
+
+    /// Returns the kinetic energy of the moving links and the rotors, J.
+    fn kinetic_energy_with<T: Scalar>(
+        params: &Self::Params<T>,
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+    ) -> T
+    where
+        Self: functions::KineticEnergy,
+    {
+        const { not_generated() }
+    }
+
+    /// Calls [`kinetic_energy_with`](Self::kinetic_energy_with) with the default parameters.
+    fn kinetic_energy<T: Scalar>(q: &Self::Q<T>, qd: &Self::V<T>) -> T
+    where
+        Self: functions::KineticEnergy,
+    {
+        Self::kinetic_energy_with(&Self::Params::<T>::default(), q, qd)
+    }
+
+    /// Returns the potential energy of the moving links under gravity and of the springs, J; zero for mass at the world's
+    /// origin and springs at rest.
+    fn potential_energy_with<T: Scalar>(params: &Self::Params<T>, q: &Self::Q<T>) -> T
+    where
+        Self: functions::PotentialEnergy,
+    {
+        const { not_generated() }
+    }
+
+    /// Calls [`potential_energy_with`](Self::potential_energy_with) with the default parameters.
+    fn potential_energy<T: Scalar>(q: &Self::Q<T>) -> T
+    where
+        Self: functions::PotentialEnergy,
+    {
+        Self::potential_energy_with(&Self::Params::<T>::default(), q)
+    }
+
+    /// Returns the joint accelerations under `tau` and a wrench on each link (in the order of `LINK_NAMES`),
+    /// at the link's origin in the link's own axes.
+    fn forward_dynamics_external_with<T: Scalar>(
+        params: &Self::Params<T>,
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        tau: &Self::V<T>,
+        forces: &Self::PerLink<Wrench<T>>,
+    ) -> Self::V<T>
+    where
+        Self: functions::ForwardDynamicsExternal,
+    {
+        const { not_generated() }
+    }
+
+    /// Calls [`forward_dynamics_external_with`](Self::forward_dynamics_external_with) with the default parameters.
+    fn forward_dynamics_external<T: Scalar>(
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        tau: &Self::V<T>,
+        forces: &Self::PerLink<Wrench<T>>,
+    ) -> Self::V<T>
+    where
+        Self: functions::ForwardDynamicsExternal,
+    {
+        Self::forward_dynamics_external_with(&Self::Params::<T>::default(), q, qd, tau, forces)
+    }
+
+    /// Returns the joint accelerations under `tau` and a wrench on each link (in the order of `LINK_NAMES`),
+    /// at the link's origin in world axes.
+    fn forward_dynamics_external_world_with<T: Scalar>(
+        params: &Self::Params<T>,
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        tau: &Self::V<T>,
+        forces: &Self::PerLink<Wrench<T>>,
+    ) -> Self::V<T>
+    where
+        Self: functions::ForwardDynamicsExternalWorld,
+    {
+        const { not_generated() }
+    }
+
+    /// Calls [`forward_dynamics_external_world_with`](Self::forward_dynamics_external_world_with) with the default parameters.
+    fn forward_dynamics_external_world<T: Scalar>(
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        tau: &Self::V<T>,
+        forces: &Self::PerLink<Wrench<T>>,
+    ) -> Self::V<T>
+    where
+        Self: functions::ForwardDynamicsExternalWorld,
+    {
+        Self::forward_dynamics_external_world_with(
+            &Self::Params::<T>::default(),
+            q,
+            qd,
+            tau,
+            forces,
+        )
+    }
+
+    /// Returns the joint forces of `qdd` under a wrench on each link (in the order of `LINK_NAMES`), at the
+    /// link's origin in the link's own axes.
+    fn inverse_dynamics_external_with<T: Scalar>(
+        params: &Self::Params<T>,
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        qdd: &Self::V<T>,
+        forces: &Self::PerLink<Wrench<T>>,
+    ) -> Self::V<T>
+    where
+        Self: functions::InverseDynamicsExternal,
+    {
+        const { not_generated() }
+    }
+
+    /// Calls [`inverse_dynamics_external_with`](Self::inverse_dynamics_external_with) with the default parameters.
+    fn inverse_dynamics_external<T: Scalar>(
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        qdd: &Self::V<T>,
+        forces: &Self::PerLink<Wrench<T>>,
+    ) -> Self::V<T>
+    where
+        Self: functions::InverseDynamicsExternal,
+    {
+        Self::inverse_dynamics_external_with(&Self::Params::<T>::default(), q, qd, qdd, forces)
+    }
+
+    /// Returns the joint forces of `qdd` under a wrench on each link (in the order of `LINK_NAMES`), at the
+    /// link's origin in world axes.
+    fn inverse_dynamics_external_world_with<T: Scalar>(
+        params: &Self::Params<T>,
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        qdd: &Self::V<T>,
+        forces: &Self::PerLink<Wrench<T>>,
+    ) -> Self::V<T>
+    where
+        Self: functions::InverseDynamicsExternalWorld,
+    {
+        const { not_generated() }
+    }
+
+    /// Calls [`inverse_dynamics_external_world_with`](Self::inverse_dynamics_external_world_with) with the default parameters.
+    fn inverse_dynamics_external_world<T: Scalar>(
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        qdd: &Self::V<T>,
+        forces: &Self::PerLink<Wrench<T>>,
+    ) -> Self::V<T>
+    where
+        Self: functions::InverseDynamicsExternalWorld,
+    {
+        Self::inverse_dynamics_external_world_with(
+            &Self::Params::<T>::default(),
+            q,
+            qd,
+            qdd,
+            forces,
+        )
+    }
+
+    /// Returns the generalized forces J^T f of a wrench on each link (in the order of `LINK_NAMES`), at the link's
+    /// origin in the link's own axes, and their derivative with respect to `q` (in tangent space), an array of
+    /// columns. The wrenches rotate with their links.
+    fn generalized_forces<T: Scalar>(
+        q: &Self::Q<T>,
+        forces: &Self::PerLink<Wrench<T>>,
+    ) -> GeneralizedForces<Self::V<T>, Self::M<T>>
+    where
+        Self: functions::GeneralizedForces,
+    {
+        const { not_generated() }
+    }
+
+    /// Returns the generalized forces J^T f of a wrench on each link (in the order of `LINK_NAMES`), at the link's
+    /// origin in world axes, and their derivative with respect to `q` (in tangent space), an array of columns. The
+    /// wrenches keep their directions.
+    fn generalized_forces_world<T: Scalar>(
+        q: &Self::Q<T>,
+        forces: &Self::PerLink<Wrench<T>>,
+    ) -> GeneralizedForces<Self::V<T>, Self::M<T>>
+    where
+        Self: functions::GeneralizedForcesWorld,
+    {
+        const { not_generated() }
+    }
+
+    /// Returns the derivatives of inverse dynamics with respect to `q` (in tangent space) and `qd`, each an
+    /// array of columns. The derivative with respect to `qdd` is the mass matrix.
+    fn inverse_dynamics_derivatives_with<T: Scalar>(
+        params: &Self::Params<T>,
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        qdd: &Self::V<T>,
+    ) -> InverseDynamicsDerivatives<Self::M<T>>
+    where
+        Self: functions::InverseDynamicsDerivatives,
+    {
+        const { not_generated() }
+    }
+
+    /// Calls [`inverse_dynamics_derivatives_with`](Self::inverse_dynamics_derivatives_with) with the default parameters.
+    fn inverse_dynamics_derivatives<T: Scalar>(
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        qdd: &Self::V<T>,
+    ) -> InverseDynamicsDerivatives<Self::M<T>>
+    where
+        Self: functions::InverseDynamicsDerivatives,
+    {
+        Self::inverse_dynamics_derivatives_with(&Self::Params::<T>::default(), q, qd, qdd)
+    }
+
+    /// Returns the joint accelerations, and the derivatives of forward dynamics with respect to `q` (in tangent
+    /// space), `qd` and `tau`, each an array of columns.
+    fn forward_dynamics_derivatives_with<T: Scalar>(
+        params: &Self::Params<T>,
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        tau: &Self::V<T>,
+    ) -> ForwardDynamicsDerivatives<Self::V<T>, Self::M<T>>
+    where
+        Self: functions::ForwardDynamicsDerivatives,
+    {
+        const { not_generated() }
+    }
+
+    /// Calls [`forward_dynamics_derivatives_with`](Self::forward_dynamics_derivatives_with) with the default parameters.
+    fn forward_dynamics_derivatives<T: Scalar>(
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        tau: &Self::V<T>,
+    ) -> ForwardDynamicsDerivatives<Self::V<T>, Self::M<T>>
+    where
+        Self: functions::ForwardDynamicsDerivatives,
+    {
+        Self::forward_dynamics_derivatives_with(&Self::Params::<T>::default(), q, qd, tau)
+    }
+
+    /// Returns the joint forces tau of `qdd`, and the products of `cotangent` with their derivatives: the gradients
+    /// of `cotangent`^T tau with respect to `q` (in tangent space), `qd` and `qdd`.
+    fn inverse_dynamics_vjp_with<T: Scalar>(
+        params: &Self::Params<T>,
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        qdd: &Self::V<T>,
+        cotangent: &Self::V<T>,
+    ) -> InverseDynamicsVjp<Self::V<T>>
+    where
+        Self: functions::InverseDynamicsVjp,
+    {
+        const { not_generated() }
+    }
+
+    /// Calls [`inverse_dynamics_vjp_with`](Self::inverse_dynamics_vjp_with) with the default parameters.
+    fn inverse_dynamics_vjp<T: Scalar>(
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        qdd: &Self::V<T>,
+        cotangent: &Self::V<T>,
+    ) -> InverseDynamicsVjp<Self::V<T>>
+    where
+        Self: functions::InverseDynamicsVjp,
+    {
+        Self::inverse_dynamics_vjp_with(&Self::Params::<T>::default(), q, qd, qdd, cotangent)
+    }
+
+    /// Returns the joint forces tau of `qdd`, and their change under the changes `dq` (in tangent space), `dqd` and
+    /// `dqdd`.
+    fn inverse_dynamics_jvp_with<T: Scalar>(
+        params: &Self::Params<T>,
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        qdd: &Self::V<T>,
+        dq: &Self::V<T>,
+        dqd: &Self::V<T>,
+        dqdd: &Self::V<T>,
+    ) -> InverseDynamicsJvp<Self::V<T>>
+    where
+        Self: functions::InverseDynamicsJvp,
+    {
+        const { not_generated() }
+    }
+
+    /// Calls [`inverse_dynamics_jvp_with`](Self::inverse_dynamics_jvp_with) with the default parameters.
+    fn inverse_dynamics_jvp<T: Scalar>(
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        qdd: &Self::V<T>,
+        dq: &Self::V<T>,
+        dqd: &Self::V<T>,
+        dqdd: &Self::V<T>,
+    ) -> InverseDynamicsJvp<Self::V<T>>
+    where
+        Self: functions::InverseDynamicsJvp,
+    {
+        Self::inverse_dynamics_jvp_with(&Self::Params::<T>::default(), q, qd, qdd, dq, dqd, dqdd)
+    }
+
+    /// Returns the accelerations qdd, and the products of `cotangent` with their derivatives: the gradients of
+    /// `cotangent`^T qdd with respect to `q` (in tangent space), `qd` and `tau`.
+    fn forward_dynamics_vjp_with<T: Scalar>(
+        params: &Self::Params<T>,
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        tau: &Self::V<T>,
+        cotangent: &Self::V<T>,
+    ) -> ForwardDynamicsVjp<Self::V<T>>
+    where
+        Self: functions::ForwardDynamicsVjp,
+    {
+        const { not_generated() }
+    }
+
+    /// Calls [`forward_dynamics_vjp_with`](Self::forward_dynamics_vjp_with) with the default parameters.
+    fn forward_dynamics_vjp<T: Scalar>(
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        tau: &Self::V<T>,
+        cotangent: &Self::V<T>,
+    ) -> ForwardDynamicsVjp<Self::V<T>>
+    where
+        Self: functions::ForwardDynamicsVjp,
+    {
+        Self::forward_dynamics_vjp_with(&Self::Params::<T>::default(), q, qd, tau, cotangent)
+    }
+
+    /// Returns the accelerations qdd, and their change under the changes `dq` (in tangent space), `dqd` and `dtau`.
+    fn forward_dynamics_jvp_with<T: Scalar>(
+        params: &Self::Params<T>,
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        tau: &Self::V<T>,
+        dq: &Self::V<T>,
+        dqd: &Self::V<T>,
+        dtau: &Self::V<T>,
+    ) -> ForwardDynamicsJvp<Self::V<T>>
+    where
+        Self: functions::ForwardDynamicsJvp,
+    {
+        const { not_generated() }
+    }
+
+    /// Calls [`forward_dynamics_jvp_with`](Self::forward_dynamics_jvp_with) with the default parameters.
+    fn forward_dynamics_jvp<T: Scalar>(
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        tau: &Self::V<T>,
+        dq: &Self::V<T>,
+        dqd: &Self::V<T>,
+        dtau: &Self::V<T>,
+    ) -> ForwardDynamicsJvp<Self::V<T>>
+    where
+        Self: functions::ForwardDynamicsJvp,
+    {
+        Self::forward_dynamics_jvp_with(&Self::Params::<T>::default(), q, qd, tau, dq, dqd, dtau)
+    }
+
+    /// Returns the joint forces tau of `qdd`, and the gradients and the Hessian of `cotangent`^T tau with respect to
+    /// `q` (in tangent space), `qd` and `qdd`. The blocks of the Hessian are arrays of columns; the blocks of `qd` and
+    /// `qdd` and of `qdd` and `qdd` are zero.
+    fn inverse_dynamics_hessian_with<T: Scalar>(
+        params: &Self::Params<T>,
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        qdd: &Self::V<T>,
+        cotangent: &Self::V<T>,
+    ) -> InverseDynamicsHessian<Self::V<T>, Self::M<T>>
+    where
+        Self: functions::InverseDynamicsHessian,
+    {
+        const { not_generated() }
+    }
+
+    /// Calls [`inverse_dynamics_hessian_with`](Self::inverse_dynamics_hessian_with) with the default parameters.
+    fn inverse_dynamics_hessian<T: Scalar>(
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        qdd: &Self::V<T>,
+        cotangent: &Self::V<T>,
+    ) -> InverseDynamicsHessian<Self::V<T>, Self::M<T>>
+    where
+        Self: functions::InverseDynamicsHessian,
+    {
+        Self::inverse_dynamics_hessian_with(&Self::Params::<T>::default(), q, qd, qdd, cotangent)
+    }
+
+    /// Returns the accelerations qdd, and the gradients and the Hessian of `cotangent`^T qdd with respect to `q` (in
+    /// tangent space), `qd` and `tau`. The blocks of the Hessian are arrays of columns; the blocks of `qd` and `tau`
+    /// and of `tau` and `tau` are zero.
+    fn forward_dynamics_hessian_with<T: Scalar>(
+        params: &Self::Params<T>,
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        tau: &Self::V<T>,
+        cotangent: &Self::V<T>,
+    ) -> ForwardDynamicsHessian<Self::V<T>, Self::M<T>>
+    where
+        Self: functions::ForwardDynamicsHessian,
+    {
+        const { not_generated() }
+    }
+
+    /// Calls [`forward_dynamics_hessian_with`](Self::forward_dynamics_hessian_with) with the default parameters.
+    fn forward_dynamics_hessian<T: Scalar>(
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        tau: &Self::V<T>,
+        cotangent: &Self::V<T>,
+    ) -> ForwardDynamicsHessian<Self::V<T>, Self::M<T>>
+    where
+        Self: functions::ForwardDynamicsHessian,
+    {
+        Self::forward_dynamics_hessian_with(&Self::Params::<T>::default(), q, qd, tau, cotangent)
+    }
+
+    /// Returns the state after the time `dt` (s) under the joint forces `tau`, by the semi-implicit Euler method: the
+    /// new velocities are `qd` + `dt` qdd, and move the coordinates.
+    fn step_semi_implicit_with<T: Scalar>(
+        params: &Self::Params<T>,
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        tau: &Self::V<T>,
+        dt: T,
+    ) -> Step<Self::Q<T>, Self::V<T>>
+    where
+        Self: functions::StepSemiImplicit,
+    {
+        const { not_generated() }
+    }
+
+    /// Calls [`step_semi_implicit_with`](Self::step_semi_implicit_with) with the default parameters.
+    fn step_semi_implicit<T: Scalar>(
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        tau: &Self::V<T>,
+        dt: T,
+    ) -> Step<Self::Q<T>, Self::V<T>>
+    where
+        Self: functions::StepSemiImplicit,
+    {
+        Self::step_semi_implicit_with(&Self::Params::<T>::default(), q, qd, tau, dt)
+    }
+
+    /// Returns the state after the time `dt` (s) by the semi-implicit Euler method, and its derivatives: `a` with
+    /// respect to the state before and `b` with respect to `tau`, arrays of columns. A state has the entries of q
+    /// (in tangent space), then those of qd.
+    fn step_semi_implicit_derivatives_with<T: Scalar>(
+        params: &Self::Params<T>,
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        tau: &Self::V<T>,
+        dt: T,
+    ) -> StepDerivatives<
+        Self::Q<T>,
+        Self::V<T>,
+        Self::PerState<Self::PerState<T>>,
+        Self::PerVelocity<Self::PerState<T>>,
+    >
+    where
+        Self: functions::StepSemiImplicitDerivatives,
+    {
+        const { not_generated() }
+    }
+
+    /// Calls [`step_semi_implicit_derivatives_with`](Self::step_semi_implicit_derivatives_with) with the default parameters.
+    fn step_semi_implicit_derivatives<T: Scalar>(
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        tau: &Self::V<T>,
+        dt: T,
+    ) -> StepDerivatives<
+        Self::Q<T>,
+        Self::V<T>,
+        Self::PerState<Self::PerState<T>>,
+        Self::PerVelocity<Self::PerState<T>>,
+    >
+    where
+        Self: functions::StepSemiImplicitDerivatives,
+    {
+        Self::step_semi_implicit_derivatives_with(&Self::Params::<T>::default(), q, qd, tau, dt)
+    }
+
+    /// Returns the state after the time `dt` (s) by the semi-implicit Euler method, and the gradients and the Hessian of
+    /// `costate`^T state: `dx` and `dtau` with respect to the state before and `tau`, and `dx_dx`, `dx_dtau` and
+    /// `dtau_dtau`, arrays of columns. A state has the entries of q (in tangent space), then those of qd. Displacements
+    /// of the state after the step are in tangent space, too.
+    fn step_semi_implicit_hessian_with<T: Scalar>(
+        params: &Self::Params<T>,
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        tau: &Self::V<T>,
+        dt: T,
+        costate: &Self::PerState<T>,
+    ) -> StepHessian<
+        Self::Q<T>,
+        Self::V<T>,
+        Self::PerState<T>,
+        Self::V<T>,
+        Self::PerState<Self::PerState<T>>,
+        Self::PerVelocity<Self::PerState<T>>,
+        Self::M<T>,
+    >
+    where
+        Self: functions::StepSemiImplicitHessian,
+    {
+        const { not_generated() }
+    }
+
+    /// Calls [`step_semi_implicit_hessian_with`](Self::step_semi_implicit_hessian_with) with the default parameters.
+    fn step_semi_implicit_hessian<T: Scalar>(
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        tau: &Self::V<T>,
+        dt: T,
+        costate: &Self::PerState<T>,
+    ) -> StepHessian<
+        Self::Q<T>,
+        Self::V<T>,
+        Self::PerState<T>,
+        Self::V<T>,
+        Self::PerState<Self::PerState<T>>,
+        Self::PerVelocity<Self::PerState<T>>,
+        Self::M<T>,
+    >
+    where
+        Self: functions::StepSemiImplicitHessian,
+    {
+        Self::step_semi_implicit_hessian_with(
+            &Self::Params::<T>::default(),
+            q,
+            qd,
+            tau,
+            dt,
+            costate,
+        )
+    }
+
+    /// Returns the state after the time `dt` (s) under the constant joint forces `tau`, by a Runge-Kutta method of
+    /// fourth order. Rotations follow exponential maps, so quaternions keep length 1.
+    fn step_rk4_with<T: Scalar>(
+        params: &Self::Params<T>,
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        tau: &Self::V<T>,
+        dt: T,
+    ) -> Step<Self::Q<T>, Self::V<T>>
+    where
+        Self: functions::StepRk4,
+    {
+        const { not_generated() }
+    }
+
+    /// Calls [`step_rk4_with`](Self::step_rk4_with) with the default parameters.
+    fn step_rk4<T: Scalar>(
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        tau: &Self::V<T>,
+        dt: T,
+    ) -> Step<Self::Q<T>, Self::V<T>>
+    where
+        Self: functions::StepRk4,
+    {
+        Self::step_rk4_with(&Self::Params::<T>::default(), q, qd, tau, dt)
+    }
+
+    /// Returns the state of `step_rk4`, and its derivatives: `a` with respect to the state before and `b` with respect
+    /// to `tau`, arrays of columns. A state has the entries of q (in tangent space), then those of qd.
+    fn step_rk4_derivatives_with<T: Scalar>(
+        params: &Self::Params<T>,
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        tau: &Self::V<T>,
+        dt: T,
+    ) -> StepDerivatives<
+        Self::Q<T>,
+        Self::V<T>,
+        Self::PerState<Self::PerState<T>>,
+        Self::PerVelocity<Self::PerState<T>>,
+    >
+    where
+        Self: functions::StepRk4Derivatives,
+    {
+        const { not_generated() }
+    }
+
+    /// Calls [`step_rk4_derivatives_with`](Self::step_rk4_derivatives_with) with the default parameters.
+    fn step_rk4_derivatives<T: Scalar>(
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        tau: &Self::V<T>,
+        dt: T,
+    ) -> StepDerivatives<
+        Self::Q<T>,
+        Self::V<T>,
+        Self::PerState<Self::PerState<T>>,
+        Self::PerVelocity<Self::PerState<T>>,
+    >
+    where
+        Self: functions::StepRk4Derivatives,
+    {
+        Self::step_rk4_derivatives_with(&Self::Params::<T>::default(), q, qd, tau, dt)
+    }
+
+    /// Returns the state after the time `dt` (s) under the constant joint forces `tau`, by the implicit midpoint rule: of
+    /// second order, symmetric, and stable under stiff damping. Three iterations of simplified Newton solve its
+    /// equations. Rotations follow exponential maps, so quaternions keep length 1.
+    fn step_implicit_midpoint_with<T: Scalar>(
+        params: &Self::Params<T>,
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        tau: &Self::V<T>,
+        dt: T,
+    ) -> Step<Self::Q<T>, Self::V<T>>
+    where
+        Self: functions::StepImplicitMidpoint,
+    {
+        const { not_generated() }
+    }
+
+    /// Calls [`step_implicit_midpoint_with`](Self::step_implicit_midpoint_with) with the default parameters.
+    fn step_implicit_midpoint<T: Scalar>(
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        tau: &Self::V<T>,
+        dt: T,
+    ) -> Step<Self::Q<T>, Self::V<T>>
+    where
+        Self: functions::StepImplicitMidpoint,
+    {
+        Self::step_implicit_midpoint_with(&Self::Params::<T>::default(), q, qd, tau, dt)
+    }
+
+    /// Returns the state of `step_implicit_midpoint`, and the derivatives of the implicit midpoint rule: `a` with respect
+    /// to the state before and `b` with respect to `tau`, arrays of columns. A state has the entries of q (in tangent
+    /// space), then those of qd.
+    fn step_implicit_midpoint_derivatives_with<T: Scalar>(
+        params: &Self::Params<T>,
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        tau: &Self::V<T>,
+        dt: T,
+    ) -> StepDerivatives<
+        Self::Q<T>,
+        Self::V<T>,
+        Self::PerState<Self::PerState<T>>,
+        Self::PerVelocity<Self::PerState<T>>,
+    >
+    where
+        Self: functions::StepImplicitMidpointDerivatives,
+    {
+        const { not_generated() }
+    }
+
+    /// Calls [`step_implicit_midpoint_derivatives_with`](Self::step_implicit_midpoint_derivatives_with) with the default parameters.
+    fn step_implicit_midpoint_derivatives<T: Scalar>(
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        tau: &Self::V<T>,
+        dt: T,
+    ) -> StepDerivatives<
+        Self::Q<T>,
+        Self::V<T>,
+        Self::PerState<Self::PerState<T>>,
+        Self::PerVelocity<Self::PerState<T>>,
+    >
+    where
+        Self: functions::StepImplicitMidpointDerivatives,
+    {
+        Self::step_implicit_midpoint_derivatives_with(&Self::Params::<T>::default(), q, qd, tau, dt)
+    }
+
+    /// Returns the joint accelerations under the joint forces `tau` with the loops closed and the active
+    /// contacts held. Also returns the wrench on each constraint's link and the unmet part of the constraint's
+    /// acceleration, and the number of independent constraint rows. Loop constraints come first, in the order
+    /// of `LOOP_CONSTRAINT_NAMES`, at the second frame's origin in the first frame's axes. Contacts follow, in
+    /// the order of `CONTACT_NAMES`, at the frame's origin in world axes. Redundant rows get the multipliers of
+    /// smallest norm.
+    fn constrained_forward_dynamics_with<T: Scalar>(
+        params: &Self::Params<T>,
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        tau: &Self::V<T>,
+        contacts: Self::Contacts,
+        settings: &Settings<Self, T>,
+    ) -> ConstrainedForwardDynamics<
+        Self::V<T>,
+        Self::PerConstraint<Wrench<T>>,
+        Self::PerConstraint<Twist<T>>,
+        T,
+    >
+    where
+        Self: functions::ConstrainedForwardDynamics,
+    {
+        const { not_generated() }
+    }
+
+    /// Calls [`constrained_forward_dynamics_with`](Self::constrained_forward_dynamics_with) with the default parameters.
+    fn constrained_forward_dynamics<T: Scalar>(
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        tau: &Self::V<T>,
+        contacts: Self::Contacts,
+        settings: &Settings<Self, T>,
+    ) -> ConstrainedForwardDynamics<
+        Self::V<T>,
+        Self::PerConstraint<Wrench<T>>,
+        Self::PerConstraint<Twist<T>>,
+        T,
+    >
+    where
+        Self: functions::ConstrainedForwardDynamics,
+    {
+        Self::constrained_forward_dynamics_with(
+            &Self::Params::<T>::default(),
+            q,
+            qd,
+            tau,
+            contacts,
+            settings,
+        )
+    }
+
+    /// Returns the displacement and the velocity of each loop constraint's second frame relative to its first,
+    /// in the first frame's axes; then of each contact's frame, active or not, relative to its target, in world
+    /// axes. Components along free directions are zero. A rotation is its axis times the sine of its angle.
+    fn constraint_residual<T: Scalar>(
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        settings: &Settings<Self, T>,
+    ) -> ConstraintResidual<Self::PerConstraint<Twist<T>>>
+    where
+        Self: functions::ConstraintResidual,
+    {
+        const { not_generated() }
+    }
+
+    /// Returns the smallest step (in the metric of the mass matrix) that closes the loops at `q` and moves the
+    /// active contacts to their targets to first order, the smallest change of `qd` that keeps them there, and
+    /// the number of independent constraint rows. The settings `alpha` and `beta` have no effect.
+    fn project_constraints_with<T: Scalar>(
+        params: &Self::Params<T>,
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        contacts: Self::Contacts,
+        settings: &Settings<Self, T>,
+    ) -> ConstraintProjection<Self::V<T>, T>
+    where
+        Self: functions::ProjectConstraints,
+    {
+        const { not_generated() }
+    }
+
+    /// Calls [`project_constraints_with`](Self::project_constraints_with) with the default parameters.
+    fn project_constraints<T: Scalar>(
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        contacts: Self::Contacts,
+        settings: &Settings<Self, T>,
+    ) -> ConstraintProjection<Self::V<T>, T>
+    where
+        Self: functions::ProjectConstraints,
+    {
+        Self::project_constraints_with(&Self::Params::<T>::default(), q, qd, contacts, settings)
+    }
+
+    /// Returns the accelerations and the wrenches of `constrained_forward_dynamics`, and their derivatives with
+    /// respect to `q` (in tangent space), `qd` and `tau`, each an array of columns. The derivatives of wrenches
+    /// are arrays for each constraint, in the axes of the wrenches. The rank is assumed constant; redundant
+    /// rows get the derivatives of smallest norm.
+    fn constrained_forward_dynamics_derivatives_with<T: Scalar>(
+        params: &Self::Params<T>,
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        tau: &Self::V<T>,
+        contacts: Self::Contacts,
+        settings: &Settings<Self, T>,
+    ) -> ConstrainedForwardDynamicsDerivatives<
+        Self::V<T>,
+        Self::PerConstraint<Wrench<T>>,
+        Self::M<T>,
+        Self::PerConstraint<Self::PerVelocity<Wrench<T>>>,
+        T,
+    >
+    where
+        Self: functions::ConstrainedForwardDynamicsDerivatives,
+    {
+        const { not_generated() }
+    }
+
+    /// Calls [`constrained_forward_dynamics_derivatives_with`](Self::constrained_forward_dynamics_derivatives_with) with the default parameters.
+    fn constrained_forward_dynamics_derivatives<T: Scalar>(
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        tau: &Self::V<T>,
+        contacts: Self::Contacts,
+        settings: &Settings<Self, T>,
+    ) -> ConstrainedForwardDynamicsDerivatives<
+        Self::V<T>,
+        Self::PerConstraint<Wrench<T>>,
+        Self::M<T>,
+        Self::PerConstraint<Self::PerVelocity<Wrench<T>>>,
+        T,
+    >
+    where
+        Self: functions::ConstrainedForwardDynamicsDerivatives,
+    {
+        Self::constrained_forward_dynamics_derivatives_with(
+            &Self::Params::<T>::default(),
+            q,
+            qd,
+            tau,
+            contacts,
+            settings,
+        )
+    }
+
+    /// Returns the accelerations and the wrenches of `constrained_forward_dynamics`, and the gradients and the
+    /// Hessian of their sum with the weights `cotangent` and `wrench_cotangent` (of the components of the wrenches)
+    /// with respect to `q` (in tangent space), `qd` and `tau`. The blocks of the Hessian are arrays of columns; the
+    /// blocks of `qd` and `tau` and of `tau` and `tau` are zero. The rank is assumed constant. Weights of wrenches
+    /// need independent rows, or compliance.
+    fn constrained_forward_dynamics_hessian_with<T: Scalar>(
+        params: &Self::Params<T>,
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        tau: &Self::V<T>,
+        cotangent: &Self::V<T>,
+        wrench_cotangent: &Self::PerConstraint<Wrench<T>>,
+        contacts: Self::Contacts,
+        settings: &Settings<Self, T>,
+    ) -> ConstrainedForwardDynamicsHessian<Self::V<T>, Self::PerConstraint<Wrench<T>>, Self::M<T>, T>
+    where
+        Self: functions::ConstrainedForwardDynamicsHessian,
+    {
+        const { not_generated() }
+    }
+
+    /// Calls [`constrained_forward_dynamics_hessian_with`](Self::constrained_forward_dynamics_hessian_with) with the default parameters.
+    fn constrained_forward_dynamics_hessian<T: Scalar>(
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        tau: &Self::V<T>,
+        cotangent: &Self::V<T>,
+        wrench_cotangent: &Self::PerConstraint<Wrench<T>>,
+        contacts: Self::Contacts,
+        settings: &Settings<Self, T>,
+    ) -> ConstrainedForwardDynamicsHessian<Self::V<T>, Self::PerConstraint<Wrench<T>>, Self::M<T>, T>
+    where
+        Self: functions::ConstrainedForwardDynamicsHessian,
+    {
+        Self::constrained_forward_dynamics_hessian_with(
+            &Self::Params::<T>::default(),
+            q,
+            qd,
+            tau,
+            cotangent,
+            wrench_cotangent,
+            contacts,
+            settings,
+        )
+    }
+
+    /// Returns the velocities after an impact that closes the loops and stops the active contacts relative to
+    /// their targets at the same instant, the impulse of each constraint, and the number of independent
+    /// constraint rows. Along its normal, a contact leaves with `restitution` times the speed before the
+    /// impact. The settings `alpha` and `beta` have no effect.
+    fn contact_impulse_with<T: Scalar>(
+        params: &Self::Params<T>,
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        contacts: Self::Contacts,
+        settings: &Settings<Self, T>,
+    ) -> ContactImpulse<Self::V<T>, Self::PerConstraint<Wrench<T>>, T>
+    where
+        Self: functions::ContactImpulse,
+    {
+        const { not_generated() }
+    }
+
+    /// Calls [`contact_impulse_with`](Self::contact_impulse_with) with the default parameters.
+    fn contact_impulse<T: Scalar>(
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        contacts: Self::Contacts,
+        settings: &Settings<Self, T>,
+    ) -> ContactImpulse<Self::V<T>, Self::PerConstraint<Wrench<T>>, T>
+    where
+        Self: functions::ContactImpulse,
+    {
+        Self::contact_impulse_with(&Self::Params::<T>::default(), q, qd, contacts, settings)
+    }
+
+    /// Returns the state after a step of the time `dt` (s) under the joint forces `tau`, with contacts, joint limits, dry
+    /// joint friction and closed loops by MuJoCo's law: soft constraints whose forces minimize a convex function. The solver is Newton's
+    /// method, to the tolerance of `step_settings`; `residual` says how far it came, relative to the largest force. It
+    /// starts from the accelerations `warm_start`: `qdd` of the last step, or zeros. The integrator is semi-implicit Euler,
+    /// implicit in joint damping, or MuJoCo's `implicitfast`, as the description says.
+    fn step_with<T: Scalar>(
+        params: &Self::Params<T>,
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        tau: &Self::V<T>,
+        dt: T,
+        warm_start: &Self::V<T>,
+        step_settings: &StepSettings<T, Self::PerTouchingShape<ContactSurface<T>>>,
+    ) -> StepSolution<Self::Q<T>, Self::V<T>, Self::V<T>, Self::PerTouchingPoint<Vector3<T>>, T, T>
+    where
+        Self: functions::Step,
+    {
+        const { not_generated() }
+    }
+
+    /// Calls [`step_with`](Self::step_with) with the default parameters.
+    fn step<T: Scalar>(
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        tau: &Self::V<T>,
+        dt: T,
+        warm_start: &Self::V<T>,
+        step_settings: &StepSettings<T, Self::PerTouchingShape<ContactSurface<T>>>,
+    ) -> StepSolution<Self::Q<T>, Self::V<T>, Self::V<T>, Self::PerTouchingPoint<Vector3<T>>, T, T>
+    where
+        Self: functions::Step,
+    {
+        Self::step_with(&Self::Params::<T>::default(), q, qd, tau, dt, warm_start, step_settings)
+    }
+
+    /// Returns the joint forces `tau` of the actuators under the controls `ctrl`, in the order of `CONTROL_NAMES`, and the
+    /// activations after the time `dt` (s), in the order of `ACTIVATION_NAMES`. The laws are MuJoCo's: controls, forces,
+    /// activations and joint forces are clamped to the ranges of the description.
+    fn actuate<T: Scalar>(
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        ctrl: &Self::PerControl<T>,
+        dt: T,
+        act: &Self::PerActivation<T>,
+    ) -> ActuatorForces<Self::V<T>, Self::PerActivation<T>>
+    where
+        Self: functions::Actuate,
+    {
+        const { not_generated() }
+    }
+
+    /// Returns the state and the activations after a step of the time `dt` (s) under the controls `ctrl`: MuJoCo's `mj_step`. The
+    /// joint forces are the result of `actuate` at the state before the step, and the forces `applied` beside it (MuJoCo's
+    /// `qfrc_applied`). All else is as in `step`.
+    fn step_actuated_with<T: Scalar>(
+        params: &Self::Params<T>,
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        ctrl: &Self::PerControl<T>,
+        dt: T,
+        act: &Self::PerActivation<T>,
+        applied: &Self::V<T>,
+        warm_start: &Self::V<T>,
+        step_settings: &StepSettings<T, Self::PerTouchingShape<ContactSurface<T>>>,
+    ) -> ActuatedStep<
+        Self::Q<T>,
+        Self::V<T>,
+        Self::PerActivation<T>,
+        Self::V<T>,
+        Self::PerTouchingPoint<Vector3<T>>,
+        T,
+        T,
+    >
+    where
+        Self: functions::StepActuated,
+    {
+        const { not_generated() }
+    }
+
+    /// Calls [`step_actuated_with`](Self::step_actuated_with) with the default parameters.
+    fn step_actuated<T: Scalar>(
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        ctrl: &Self::PerControl<T>,
+        dt: T,
+        act: &Self::PerActivation<T>,
+        applied: &Self::V<T>,
+        warm_start: &Self::V<T>,
+        step_settings: &StepSettings<T, Self::PerTouchingShape<ContactSurface<T>>>,
+    ) -> ActuatedStep<
+        Self::Q<T>,
+        Self::V<T>,
+        Self::PerActivation<T>,
+        Self::V<T>,
+        Self::PerTouchingPoint<Vector3<T>>,
+        T,
+        T,
+    >
+    where
+        Self: functions::StepActuated,
+    {
+        Self::step_actuated_with(
+            &Self::Params::<T>::default(),
+            q,
+            qd,
+            ctrl,
+            dt,
+            act,
+            applied,
+            warm_start,
+            step_settings,
+        )
+    }
+
+    /// Returns the joint forces of the accelerations `qdd`, the wrenches of the active contacts that carry the
+    /// floating bases, and the rank of the contacts' columns of the bases. The wrenches have the smallest sum
+    /// of (force^2 + (moment / l)^2) / weight with the characteristic length l of each contact. The joint
+    /// forces of a base are the wrench on it that no contact can carry. The wrenches of loop constraints are
+    /// zero.
+    fn constrained_inverse_dynamics_with<T: Scalar>(
+        params: &Self::Params<T>,
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        qdd: &Self::V<T>,
+        contacts: Self::Contacts,
+        settings: &Settings<Self, T>,
+    ) -> ConstrainedInverseDynamics<Self::V<T>, Self::PerConstraint<Wrench<T>>, T>
+    where
+        Self: functions::ConstrainedInverseDynamics,
+    {
+        const { not_generated() }
+    }
+
+    /// Calls [`constrained_inverse_dynamics_with`](Self::constrained_inverse_dynamics_with) with the default parameters.
+    fn constrained_inverse_dynamics<T: Scalar>(
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        qdd: &Self::V<T>,
+        contacts: Self::Contacts,
+        settings: &Settings<Self, T>,
+    ) -> ConstrainedInverseDynamics<Self::V<T>, Self::PerConstraint<Wrench<T>>, T>
+    where
+        Self: functions::ConstrainedInverseDynamics,
+    {
+        Self::constrained_inverse_dynamics_with(
+            &Self::Params::<T>::default(),
+            q,
+            qd,
+            qdd,
+            contacts,
+            settings,
+        )
+    }
+
+    /// Returns the Jacobian of each constraint, an array of columns. The product with `qd` is, for a loop
+    /// constraint, the constrained part of the twist of its second frame relative to its first, in the first
+    /// frame's axes; for a contact, active or not, the constrained part of its frame's twist in world axes.
+    fn constraint_jacobian<T: Scalar>(
+        q: &Self::Q<T>,
+    ) -> Self::PerConstraint<Self::PerVelocity<Twist<T>>>
+    where
+        Self: functions::ConstraintJacobian,
+    {
+        const { not_generated() }
+    }
+
+    /// Returns the bias acceleration of each constraint: the time derivative of `constraint_jacobian` times
+    /// `qd`, in the same axes.
+    fn constraint_bias_acceleration<T: Scalar>(
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+    ) -> Self::PerConstraint<Twist<T>>
+    where
+        Self: functions::ConstraintBiasAcceleration,
+    {
+        const { not_generated() }
+    }
+
+    /// Returns the operational-space inertia of the constraints, its inverse J M^-1 J^T with the mass matrix M,
+    /// and the number of independent constraint rows. Both matrices are arrays of columns; each constraint has
+    /// its constrained rotations, then its constrained displacements, of a contact in world axes. The entries
+    /// of inactive contacts are zero. The inverse contains the compliance.
+    fn operational_inertia_with<T: Scalar>(
+        params: &Self::Params<T>,
+        q: &Self::Q<T>,
+        contacts: Self::Contacts,
+        settings: &Settings<Self, T>,
+    ) -> OperationalInertia<Self::PerConstraintRow<Self::PerConstraintRow<T>>, T>
+    where
+        Self: functions::OperationalInertia,
+    {
+        const { not_generated() }
+    }
+
+    /// Calls [`operational_inertia_with`](Self::operational_inertia_with) with the default parameters.
+    fn operational_inertia<T: Scalar>(
+        q: &Self::Q<T>,
+        contacts: Self::Contacts,
+        settings: &Settings<Self, T>,
+    ) -> OperationalInertia<Self::PerConstraintRow<Self::PerConstraintRow<T>>, T>
+    where
+        Self: functions::OperationalInertia,
+    {
+        Self::operational_inertia_with(&Self::Params::<T>::default(), q, contacts, settings)
+    }
+
+    /// Returns the regressor Y of inverse dynamics, an array of columns: tau = Y pi, without rotors and
+    /// friction. pi has ten entries for each moving link: mass, mass times centre of mass x, y, z, and
+    /// Ixx, Ixy, Ixz, Iyy, Iyz, Izz about the link's origin in the link's own axes (`PARAMETERS`).
+    fn regressor_with<T: Scalar>(
+        params: &Self::Params<T>,
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        qdd: &Self::V<T>,
+    ) -> Self::Regressor<T>
+    where
+        Self: functions::Regressor,
+    {
+        const { not_generated() }
+    }
+
+    /// Calls [`regressor_with`](Self::regressor_with) with the default parameters.
+    fn regressor<T: Scalar>(q: &Self::Q<T>, qd: &Self::V<T>, qdd: &Self::V<T>) -> Self::Regressor<T>
+    where
+        Self: functions::Regressor,
+    {
+        Self::regressor_with(&Self::Params::<T>::default(), q, qd, qdd)
+    }
+
+    /// Returns the centre of mass of the moving links in world axes, m.
+    fn center_of_mass_with<T: Scalar>(params: &Self::Params<T>, q: &Self::Q<T>) -> [T; 3]
+    where
+        Self: functions::CenterOfMass,
+    {
+        const { not_generated() }
+    }
+
+    /// Calls [`center_of_mass_with`](Self::center_of_mass_with) with the default parameters.
+    fn center_of_mass<T: Scalar>(q: &Self::Q<T>) -> [T; 3]
+    where
+        Self: functions::CenterOfMass,
+    {
+        Self::center_of_mass_with(&Self::Params::<T>::default(), q)
+    }
+
+    /// Returns the Jacobian of the centre of mass, an array of columns. Its product with `qd` is the velocity
+    /// of the centre of mass in world axes.
+    fn center_of_mass_jacobian_with<T: Scalar>(
+        params: &Self::Params<T>,
+        q: &Self::Q<T>,
+    ) -> Self::PerVelocity<Vector3<T>>
+    where
+        Self: functions::CenterOfMassJacobian,
+    {
+        const { not_generated() }
+    }
+
+    /// Calls [`center_of_mass_jacobian_with`](Self::center_of_mass_jacobian_with) with the default parameters.
+    fn center_of_mass_jacobian<T: Scalar>(q: &Self::Q<T>) -> Self::PerVelocity<Vector3<T>>
+    where
+        Self: functions::CenterOfMassJacobian,
+    {
+        Self::center_of_mass_jacobian_with(&Self::Params::<T>::default(), q)
+    }
+
+    /// Returns the centroidal momentum matrix, an array of columns. Its product with `qd` is the momentum about
+    /// the centre of mass, in world axes. Rotors have energy, but no momentum: their axes are not described.
+    fn centroidal_momentum_matrix_with<T: Scalar>(
+        params: &Self::Params<T>,
+        q: &Self::Q<T>,
+    ) -> Self::PerVelocity<Momentum<T>>
+    where
+        Self: functions::CentroidalMomentumMatrix,
+    {
+        const { not_generated() }
+    }
+
+    /// Calls [`centroidal_momentum_matrix_with`](Self::centroidal_momentum_matrix_with) with the default parameters.
+    fn centroidal_momentum_matrix<T: Scalar>(q: &Self::Q<T>) -> Self::PerVelocity<Momentum<T>>
+    where
+        Self: functions::CentroidalMomentumMatrix,
+    {
+        Self::centroidal_momentum_matrix_with(&Self::Params::<T>::default(), q)
+    }
+
+    /// Returns the centroidal composite inertia, an array of columns. Its product with a twist is the momentum about the
+    /// centre of mass, in world axes, of all moving links as one rigid body with this twist at the centre of mass.
+    fn centroidal_composite_inertia_with<T: Scalar>(
+        params: &Self::Params<T>,
+        q: &Self::Q<T>,
+    ) -> [Momentum<T>; 6]
+    where
+        Self: functions::CentroidalCompositeInertia,
+    {
+        const { not_generated() }
+    }
+
+    /// Calls [`centroidal_composite_inertia_with`](Self::centroidal_composite_inertia_with) with the default parameters.
+    fn centroidal_composite_inertia<T: Scalar>(q: &Self::Q<T>) -> [Momentum<T>; 6]
+    where
+        Self: functions::CentroidalCompositeInertia,
+    {
+        Self::centroidal_composite_inertia_with(&Self::Params::<T>::default(), q)
+    }
+
+    /// Returns the momentum of the moving links about their centre of mass, in world axes. Rotors have energy, but no
+    /// momentum: their axes are not described.
+    fn centroidal_momentum_with<T: Scalar>(
+        params: &Self::Params<T>,
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+    ) -> Momentum<T>
+    where
+        Self: functions::CentroidalMomentum,
+    {
+        const { not_generated() }
+    }
+
+    /// Calls [`centroidal_momentum_with`](Self::centroidal_momentum_with) with the default parameters.
+    fn centroidal_momentum<T: Scalar>(q: &Self::Q<T>, qd: &Self::V<T>) -> Momentum<T>
+    where
+        Self: functions::CentroidalMomentum,
+    {
+        Self::centroidal_momentum_with(&Self::Params::<T>::default(), q, qd)
+    }
+
+    /// Returns the time derivative of the centroidal momentum in world axes: the moment (N m) and the force (N) about the
+    /// centre of mass of gravity and of all forces from outside. At `qdd` = 0 it is the bias A' qd, with the centroidal
+    /// momentum matrix A.
+    fn centroidal_momentum_rate_with<T: Scalar>(
+        params: &Self::Params<T>,
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        qdd: &Self::V<T>,
+    ) -> Momentum<T>
+    where
+        Self: functions::CentroidalMomentumRate,
+    {
+        const { not_generated() }
+    }
+
+    /// Calls [`centroidal_momentum_rate_with`](Self::centroidal_momentum_rate_with) with the default parameters.
+    fn centroidal_momentum_rate<T: Scalar>(
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        qdd: &Self::V<T>,
+    ) -> Momentum<T>
+    where
+        Self: functions::CentroidalMomentumRate,
+    {
+        Self::centroidal_momentum_rate_with(&Self::Params::<T>::default(), q, qd, qdd)
+    }
+
+    /// Returns the momentum of the moving links about their centre of mass, its time derivative at `qdd` (the rate), and the
+    /// derivatives of both with respect to `q` (in tangent space) and `qd`, arrays of columns, in world axes. The derivatives
+    /// of the momentum with respect to `qd`, and of the rate with respect to `qdd`, are the centroidal momentum matrix.
+    fn centroidal_momentum_derivatives_with<T: Scalar>(
+        params: &Self::Params<T>,
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        qdd: &Self::V<T>,
+    ) -> CentroidalMomentumDerivatives<Momentum<T>, Self::PerVelocity<Momentum<T>>>
+    where
+        Self: functions::CentroidalMomentumDerivatives,
+    {
+        const { not_generated() }
+    }
+
+    /// Calls [`centroidal_momentum_derivatives_with`](Self::centroidal_momentum_derivatives_with) with the default parameters.
+    fn centroidal_momentum_derivatives<T: Scalar>(
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        qdd: &Self::V<T>,
+    ) -> CentroidalMomentumDerivatives<Momentum<T>, Self::PerVelocity<Momentum<T>>>
+    where
+        Self: functions::CentroidalMomentumDerivatives,
+    {
+        Self::centroidal_momentum_derivatives_with(&Self::Params::<T>::default(), q, qd, qdd)
+    }
+
+    /// Returns the poses in the world of all links of the description, fixed links included, in the order of
+    /// `LINK_NAMES`.
+    fn link_poses<T: Scalar>(q: &Self::Q<T>) -> Self::PerLink<Pose<T>>
+    where
+        Self: functions::LinkPoses,
+    {
+        const { not_generated() }
+    }
+
+    /// Returns the pose of a link in the world. Computes the link's kinematic path only.
+    fn link_pose<T: Scalar>(q: &Self::Q<T>, link: Self::Link) -> Pose<T>
+    where
+        Self: functions::LinkPose,
+    {
+        const { not_generated() }
+    }
+
+    /// Returns the velocity of a link's origin (m/s) and its angular velocity (rad/s), in world axes.
+    /// Computes the link's kinematic path only.
+    fn link_velocity<T: Scalar>(q: &Self::Q<T>, qd: &Self::V<T>, link: Self::Link) -> Twist<T>
+    where
+        Self: functions::LinkVelocity,
+    {
+        const { not_generated() }
+    }
+
+    /// Returns the velocity of a link's origin (m/s) and its angular velocity (rad/s), in the link's own axes.
+    /// Computes the link's kinematic path only.
+    fn local_link_velocity<T: Scalar>(q: &Self::Q<T>, qd: &Self::V<T>, link: Self::Link) -> Twist<T>
+    where
+        Self: functions::LocalLinkVelocity,
+    {
+        const { not_generated() }
+    }
+
+    /// Returns the classical acceleration of a link's origin (m/s^2) and its angular acceleration (rad/s^2), in
+    /// world axes. Gravity is not included. Computes the link's kinematic path only.
+    fn link_acceleration<T: Scalar>(
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        qdd: &Self::V<T>,
+        link: Self::Link,
+    ) -> Twist<T>
+    where
+        Self: functions::LinkAcceleration,
+    {
+        const { not_generated() }
+    }
+
+    /// Returns the classical acceleration of a link's origin (m/s^2) and its angular acceleration (rad/s^2), in
+    /// the link's own axes. Gravity is not included. Computes the link's kinematic path only.
+    fn local_link_acceleration<T: Scalar>(
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        qdd: &Self::V<T>,
+        link: Self::Link,
+    ) -> Twist<T>
+    where
+        Self: functions::LocalLinkAcceleration,
+    {
+        const { not_generated() }
+    }
+
+    /// Returns the Jacobian of a link, an array of columns. Its product with `qd` is the velocity of the link
+    /// at its origin, in world axes. Computes the link's kinematic path only.
+    fn jacobian<T: Scalar>(q: &Self::Q<T>, link: Self::Link) -> Self::PerVelocity<Twist<T>>
+    where
+        Self: functions::Jacobian,
+    {
+        const { not_generated() }
+    }
+
+    /// Returns the Jacobian of a link, an array of columns. Its product with `qd` is the velocity of the link
+    /// at its origin, in the link's own axes. Computes the link's kinematic path only.
+    fn local_jacobian<T: Scalar>(q: &Self::Q<T>, link: Self::Link) -> Self::PerVelocity<Twist<T>>
+    where
+        Self: functions::LocalJacobian,
+    {
+        const { not_generated() }
+    }
+
+    /// Returns the time derivative of `jacobian`, an array of columns. Its product with `qd` is `bias_acceleration`.
+    /// Computes the link's kinematic path only.
+    fn jacobian_time_derivative<T: Scalar>(
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        link: Self::Link,
+    ) -> Self::PerVelocity<Twist<T>>
+    where
+        Self: functions::JacobianTimeDerivative,
+    {
+        const { not_generated() }
+    }
+
+    /// Returns the time derivative of `local_jacobian`, an array of columns. Its product with `qd` is
+    /// `local_bias_acceleration`. Computes the link's kinematic path only.
+    fn local_jacobian_time_derivative<T: Scalar>(
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        link: Self::Link,
+    ) -> Self::PerVelocity<Twist<T>>
+    where
+        Self: functions::LocalJacobianTimeDerivative,
+    {
+        const { not_generated() }
+    }
+
+    /// Returns the bias acceleration of a link in world axes: the time derivative of `jacobian` times `qd`, which
+    /// is the link's acceleration at zero joint accelerations. Computes the link's kinematic path only.
+    fn bias_acceleration<T: Scalar>(q: &Self::Q<T>, qd: &Self::V<T>, link: Self::Link) -> Twist<T>
+    where
+        Self: functions::BiasAcceleration,
+    {
+        const { not_generated() }
+    }
+
+    /// Returns the bias acceleration of a link in its own axes: the time derivative of `local_jacobian` times
+    /// `qd`. Computes the link's kinematic path only.
+    fn local_bias_acceleration<T: Scalar>(
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        link: Self::Link,
+    ) -> Twist<T>
+    where
+        Self: functions::LocalBiasAcceleration,
+    {
+        const { not_generated() }
+    }
+
+    /// Returns the coordinates after the displacement `v` (a velocity times a time) from `q`.
+    fn integrate<T: Scalar>(q: &Self::Q<T>, v: &Self::V<T>) -> Self::Q<T>
+    where
+        Self: functions::Integrate,
+    {
+        const { not_generated() }
+    }
+
+    /// Returns the displacement `v` with which `integrate` leads from `from` to `to`. Rotations are the shortest
+    /// ones; joint angles are not wrapped.
+    fn difference<T: Scalar>(from: &Self::Q<T>, to: &Self::Q<T>) -> Self::V<T>
+    where
+        Self: functions::Difference,
+    {
+        const { not_generated() }
+    }
+
+    /// Returns the derivatives of `integrate` with respect to `q` and `v`, each an array of columns in tangent
+    /// space: displacements of `q` and of the result are in the axes at each of them.
+    fn integrate_derivatives<T: Scalar>(
+        q: &Self::Q<T>,
+        v: &Self::V<T>,
+    ) -> IntegrateDerivatives<Self::M<T>>
+    where
+        Self: functions::IntegrateDerivatives,
+    {
+        const { not_generated() }
+    }
+
+    /// Returns the derivatives of `difference` with respect to `from` and `to`, each an array of columns in
+    /// tangent space: displacements are in the axes at `from` and at `to`.
+    fn difference_derivatives<T: Scalar>(
+        from: &Self::Q<T>,
+        to: &Self::Q<T>,
+    ) -> DifferenceDerivatives<Self::M<T>>
+    where
+        Self: functions::DifferenceDerivatives,
+    {
+        const { not_generated() }
+    }
+
+    /// Returns dq/dt, the rates of the coordinates `q` at the velocities `qd`.
+    fn velocity_to_qdot<T: Scalar>(q: &Self::Q<T>, qd: &Self::V<T>) -> Self::Q<T>
+    where
+        Self: functions::VelocityToQdot,
+    {
+        const { not_generated() }
+    }
+
+    /// Returns the coordinates with quaternions scaled to length 1.
+    fn normalize<T: Scalar>(q: &Self::Q<T>) -> Self::Q<T>
+    where
+        Self: functions::Normalize,
+    {
+        const { not_generated() }
+    }
+
+    /// Returns coordinates within the joint limits, from random numbers uniformly distributed in [0, 1). Angles
+    /// without limits are in [-pi, pi), displacements without limits in [-1, 1) m, rotations uniform over SO(3).
+    fn random<T: Scalar>(uniforms: impl FnMut() -> T) -> Self::Q<T>
+    where
+        Self: functions::Random,
+    {
+        const { not_generated() }
+    }
+    // <!-- end -->
 
     /// Checks that the quaternions of spherical and floating joints in `q` have length 1.
     ///

@@ -56,7 +56,11 @@ modyn::modyn!(More = "../good.urdf", functions = [default, regressor], friction 
 modyn::modyn!(Default = "../good.urdf", functions = default, payload = [], runtime_inertia = [], rotors = []);
 modyn::modyn!(Unphysical = "../triangle-inequality.urdf", unphysical_inertia = warn);
 
+/// A robot without constraints and actuators has all other functions.
+fn has_all<R: modyn::functions::All + modyn::functions::Batches>() {}
+
 fn main() {
+    has_all::<Floating>();
     let all: f32 = All::forward_dynamics(&[0.0; 2], &[0.0; 2], &[0.0; 2])[0];
     assert!(all > 0.0 || all <= 0.0);
     assert_eq!((TwoLinks::MODULES.len(), Others::MODULES.len(), All::MODULES.len()), (1, 2, 2));

@@ -9,7 +9,7 @@ use modyn_codegen::options::{Entries, OPTIONS, OptionRow, Stage, Value};
 use modyn_codegen::plan::{Elements, Record, Row, Shape, Sizes};
 
 /// Sizes that are numbers of their own, so that the lengths of axes name them.
-const SIZES: Sizes = Sizes {
+pub(super) const SIZES: Sizes = Sizes {
     nq: 1009,
     nv: 1013,
     links: 1019,
@@ -185,7 +185,7 @@ fn documentation(row: &Row) -> Vec<String> {
 }
 
 /// Returns a text in lines of at most this length.
-fn wrap(text: &str, most: usize) -> Vec<String> {
+pub(super) fn wrap(text: &str, most: usize) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for word in text.split_whitespace() {
         match lines.last_mut() {

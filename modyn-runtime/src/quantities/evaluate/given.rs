@@ -1,0 +1,100 @@
+//! The arguments and the parts of the result of a function, by name.
+
+use alloc::vec::Vec;
+use core::ops::Index;
+
+use super::super::arguments::{
+    ACT, Argument, CTRL, DT, FORCES, Q, QD, QDD, SETTINGS, STEP_SETTINGS, TAU, WARM_START,
+};
+use super::super::shape::{Record, Shape};
+use super::components::read;
+use crate::equations::actuation::ActuatorInput;
+use crate::equations::soft_constraints::StepInput;
+use crate::equations::{ForwardInput, Motion, State, TimeStepInput};
+use crate::spatial::Wrench;
+use crate::{ConstraintSettings, ContactSurface, ContactTarget, Scalar, StepSettings};
+
+/// The arguments of a call.
+#[derive(Clone, Copy)]
+pub(super) struct Given<'a, S> {
+    /// The arguments of the row.
+    pub arguments: &'static [Argument],
+    /// The numbers of each argument.
+    pub numbers: &'a [&'a [S]],
+    /// The link of a function of one link.
+    pub link: usize,
+}
+
+impl<S> Index<Argument> for Given<'_, S> {
+    type Output = [S];
+
+    fn index(&self, argument: Argument) -> &[S] {
+        let place = self.arguments.iter().position(|other| *other == argument);
+        self.numbers[place.expect("an argument of the row")]
+    }
+}
+
+impl<S: Scalar> Given<'_, S> {
+    pub fn state(&self) -> State<'_, S> {
+        State { q: &self[Q], qd: &self[QD] }
+    }
+
+    pub fn motion(&self) -> Motion<'_, S> {
+        self.state().with_accelerations(&self[QDD])
+    }
+
+    pub fn forward_input(&self) -> ForwardInput<'_, S> {
+        ForwardInput { q: &self[Q], qd: &self[QD], tau: &self[TAU] }
+    }
+
+    pub fn time_step(&self) -> TimeStepInput<'_, S> {
+        TimeStepInput { q: &self[Q], qd: &self[QD], tau: &self[TAU], dt: self[DT][0] }
+    }
+
+    pub fn step_input(&self) -> StepInput<'_, S> {
+        let TimeStepInput { q, qd, tau, dt } = self.time_step();
+        StepInput { q, qd, tau, warm_start: &self[WARM_START], dt }
+    }
+
+    pub fn actuator_input(&self) -> ActuatorInput<'_, S> {
+        let State { q, qd } = self.state();
+        ActuatorInput { q, qd, ctrl: &self[CTRL], act: &self[ACT], dt: self[DT][0] }
+    }
+
+    /// Returns the wrench on each link.
+    pub fn forces(&self) -> Vec<Wrench<S>> {
+        read(&self[FORCES])
+    }
+
+    /// Returns the settings of constraints, and the targets of contacts.
+    pub fn settings(&self) -> ConstraintSettings<S, Vec<ContactTarget<S>>> {
+        let (settings, targets) = self[SETTINGS].split_at(ConstraintSettings::<S>::COUNT);
+        let (targets, _) = targets.as_chunks();
+        let contacts = targets.iter().map(|target| ContactTarget::from_numbers(*target)).collect();
+        ConstraintSettings::from_numbers(core::array::from_fn(|i| settings[i]), contacts)
+    }
+
+    /// Returns the settings of steps, and the surfaces of contacts.
+    pub fn step_settings(&self) -> StepSettings<S, Vec<ContactSurface<S>>> {
+        let (settings, surfaces) = self[STEP_SETTINGS].split_at(StepSettings::<S>::COUNT);
+        let (surfaces, _) = surfaces.as_chunks();
+        let contacts =
+            surfaces.iter().map(|surface| ContactSurface::from_numbers(*surface)).collect();
+        StepSettings::from_numbers([settings[0], settings[1]], contacts)
+    }
+}
+
+/// Returns the fields of the result of a function with several results.
+pub(super) fn parts<'a, S, const N: usize>(
+    shape: &Shape,
+    mut numbers: &'a mut [S],
+) -> [&'a mut [S]; N] {
+    let Shape::Record(Record::Several(_) | Record::Each(_), fields) = shape else {
+        unreachable!("a function with several results")
+    };
+    core::array::from_fn(|k| {
+        let (part, rest) = core::mem::take(&mut numbers).split_at_mut(fields[k].1.len());
+        numbers = rest;
+        part
+    })
+}

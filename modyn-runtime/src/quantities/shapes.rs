@@ -1,0 +1,320 @@
+//! The layouts of arguments and results, by name.
+
+use alloc::{vec, vec::Vec};
+
+use super::shape::{Record, Shape, Sizes};
+use crate::model::PARAMETERS_PER_LINK;
+
+pub fn scalar(_: &Sizes) -> Shape {
+    Shape::Scalar
+}
+
+pub fn coordinates(s: &Sizes) -> Shape {
+    Shape::vector(s.nq)
+}
+
+pub fn velocities(s: &Sizes) -> Shape {
+    Shape::vector(s.nv)
+}
+
+pub fn square(s: &Sizes) -> Shape {
+    Shape::matrix(s.nv, s.nv)
+}
+
+pub fn regressor(s: &Sizes) -> Shape {
+    Shape::matrix(PARAMETERS_PER_LINK * s.moving, s.nv)
+}
+
+pub fn point(_: &Sizes) -> Shape {
+    Shape::vector(3)
+}
+
+pub fn vectors3(s: &Sizes) -> Shape {
+    Shape::vector3().columns(s.nv)
+}
+
+pub fn pose(_: &Sizes) -> Shape {
+    Shape::pose()
+}
+
+pub fn poses(s: &Sizes) -> Shape {
+    Shape::pose().array(s.links)
+}
+
+pub fn twist(_: &Sizes) -> Shape {
+    Shape::twist()
+}
+
+pub fn twists(s: &Sizes) -> Shape {
+    Shape::twist().columns(s.nv)
+}
+
+pub fn momentum(_: &Sizes) -> Shape {
+    Shape::momentum()
+}
+
+pub fn inertia(_: &Sizes) -> Shape {
+    Shape::momentum().columns(6)
+}
+
+pub fn momenta(s: &Sizes) -> Shape {
+    Shape::momentum().columns(s.nv)
+}
+
+pub fn factors(s: &Sizes) -> Shape {
+    Shape::Record(Record::Factorization, vec![("factors", Shape::vector(s.factors))])
+}
+
+pub fn inverse_derivatives(s: &Sizes) -> Shape {
+    named_fields("InverseDynamicsDerivatives", vec![("dq", square(s)), ("dqd", square(s))])
+}
+
+pub fn forward_derivatives(s: &Sizes) -> Shape {
+    let matrices = ["dq", "dqd", "dtau"].map(|name| (name, square(s)));
+    named_fields(
+        "ForwardDynamicsDerivatives",
+        [vec![("qdd", velocities(s))], matrices.into()].concat(),
+    )
+}
+
+pub fn generalized_forces(s: &Sizes) -> Shape {
+    named_fields("GeneralizedForces", vec![("tau", velocities(s)), ("dq", square(s))])
+}
+
+pub fn centroidal_derivatives(s: &Sizes) -> Shape {
+    let fields = vec![
+        ("momentum", momentum(s)),
+        ("rate", momentum(s)),
+        ("momentum_dq", momenta(s)),
+        ("rate_dq", momenta(s)),
+        ("rate_dqd", momenta(s)),
+    ];
+    named_fields("CentroidalMomentumDerivatives", fields)
+}
+
+pub fn integrate_derivatives(s: &Sizes) -> Shape {
+    named_fields("IntegrateDerivatives", vec![("dq", square(s)), ("dv", square(s))])
+}
+
+pub fn difference_derivatives(s: &Sizes) -> Shape {
+    named_fields("DifferenceDerivatives", vec![("dfrom", square(s)), ("dto", square(s))])
+}
+
+pub fn inverse_vjp(s: &Sizes) -> Shape {
+    vectors("InverseDynamicsVjp", &["tau", "dq", "dqd", "dqdd"], s)
+}
+
+pub fn inverse_jvp(s: &Sizes) -> Shape {
+    vectors("InverseDynamicsJvp", &["tau", "dtau"], s)
+}
+
+pub fn forward_vjp(s: &Sizes) -> Shape {
+    vectors("ForwardDynamicsVjp", &["qdd", "dq", "dqd", "dtau"], s)
+}
+
+pub fn forward_jvp(s: &Sizes) -> Shape {
+    vectors("ForwardDynamicsJvp", &["qdd", "dqdd"], s)
+}
+
+pub fn inverse_hessian(s: &Sizes) -> Shape {
+    let matrices = ["dq_dq", "dq_dqd", "dqd_dqd", "dq_dqdd"];
+    hessian("InverseDynamicsHessian", &["tau", "dq", "dqd", "dqdd"], &matrices, s)
+}
+
+pub fn forward_hessian(s: &Sizes) -> Shape {
+    let matrices = ["dq_dq", "dq_dqd", "dqd_dqd", "dq_dtau"];
+    hessian("ForwardDynamicsHessian", &["qdd", "dq", "dqd", "dtau"], &matrices, s)
+}
+
+pub fn step(s: &Sizes) -> Shape {
+    Shape::Record(Record::Each("Step"), vec![("q", coordinates(s)), ("qd", velocities(s))])
+}
+
+pub fn step_derivatives(s: &Sizes) -> Shape {
+    let matrices = [("a", Shape::matrix(2 * s.nv, 2 * s.nv)), ("b", Shape::matrix(s.nv, 2 * s.nv))];
+    let state = [("q", coordinates(s)), ("qd", velocities(s))];
+    Shape::Record(Record::Each("StepDerivatives"), [state, matrices].concat())
+}
+
+pub fn step_hessian(s: &Sizes) -> Shape {
+    let fields = vec![
+        ("q", coordinates(s)),
+        ("qd", velocities(s)),
+        ("dx", state(s)),
+        ("dtau", velocities(s)),
+        ("dx_dx", Shape::matrix(2 * s.nv, 2 * s.nv)),
+        ("dx_dtau", Shape::matrix(s.nv, 2 * s.nv)),
+        ("dtau_dtau", square(s)),
+    ];
+    Shape::Record(Record::Each("StepHessian"), fields)
+}
+
+pub fn constrained(s: &Sizes) -> Shape {
+    let wrenches = Shape::wrench().array(s.constraints);
+    let residuals = Shape::twist().array(s.constraints);
+    let fields = vec![
+        ("qdd", velocities(s)),
+        ("wrenches", wrenches),
+        ("residuals", residuals),
+        ("rank", Shape::Scalar),
+    ];
+    named_fields("ConstrainedForwardDynamics", fields)
+}
+
+pub fn constraint_residual(s: &Sizes) -> Shape {
+    let twists = || Shape::twist().array(s.constraints);
+    named_fields("ConstraintResidual", vec![("displacements", twists()), ("velocities", twists())])
+}
+
+pub fn constrained_derivatives(s: &Sizes) -> Shape {
+    let matrices = ["dq", "dqd", "dtau"].map(|name| (name, square(s)));
+    let change = || Shape::wrench().columns(s.nv).array(s.constraints);
+    let changes = ["wrenches_dq", "wrenches_dqd", "wrenches_dtau"].map(|name| (name, change()));
+    let first = [("qdd", velocities(s)), ("wrenches", Shape::wrench().array(s.constraints))];
+    let fields = [&first[..], &matrices, &changes, &[("rank", Shape::Scalar)]].concat();
+    named_fields("ConstrainedForwardDynamicsDerivatives", fields)
+}
+
+pub fn constrained_hessian(s: &Sizes) -> Shape {
+    let first = [("qdd", velocities(s)), ("wrenches", constraint_wrenches(s))];
+    let vectors = ["dq", "dqd", "dtau"].map(|name| (name, velocities(s)));
+    let matrices = ["dq_dq", "dq_dqd", "dqd_dqd", "dq_dtau"].map(|name| (name, square(s)));
+    let fields = [&first[..], &vectors, &matrices, &[("rank", Shape::Scalar)]].concat();
+    named_fields("ConstrainedForwardDynamicsHessian", fields)
+}
+
+pub fn contact_impulse(s: &Sizes) -> Shape {
+    let impulses = Shape::wrench().array(s.constraints);
+    let fields = vec![("qd", velocities(s)), ("impulses", impulses), ("rank", Shape::Scalar)];
+    named_fields("ContactImpulse", fields)
+}
+
+pub fn step_solution(s: &Sizes) -> Shape {
+    let motion = [("q", coordinates(s)), ("qd", velocities(s)), ("qdd", velocities(s))];
+    let solver = [("residual", Shape::Scalar), ("iterations", Shape::Scalar)];
+    let forces = [("forces", point_forces(s))];
+    Shape::Record(Record::Each("StepSolution"), [&motion[..], &forces, &solver].concat())
+}
+
+pub fn actuated_step(s: &Sizes) -> Shape {
+    let motion = [("q", coordinates(s)), ("qd", velocities(s)), ("act", activations(s))];
+    let solution = [("qdd", velocities(s)), ("forces", point_forces(s))];
+    let solver = [("residual", Shape::Scalar), ("iterations", Shape::Scalar)];
+    Shape::Record(Record::Each("ActuatedStep"), [&motion[..], &solution, &solver].concat())
+}
+
+pub fn actuator_forces(s: &Sizes) -> Shape {
+    let fields = vec![("tau", velocities(s)), ("act", activations(s))];
+    Shape::Record(Record::Each("ActuatorForces"), fields)
+}
+
+pub fn constrained_torques(s: &Sizes) -> Shape {
+    let wrenches = Shape::wrench().array(s.constraints);
+    let fields = vec![("tau", velocities(s)), ("wrenches", wrenches), ("rank", Shape::Scalar)];
+    named_fields("ConstrainedInverseDynamics", fields)
+}
+
+pub fn constraint_jacobian(s: &Sizes) -> Shape {
+    twists(s).array(s.constraints)
+}
+
+pub fn constraint_twists(s: &Sizes) -> Shape {
+    Shape::twist().array(s.constraints)
+}
+
+pub fn operational_inertia(s: &Sizes) -> Shape {
+    let matrix = || Shape::matrix(s.constraint_rows, s.constraint_rows);
+    let fields = vec![("inverse", matrix()), ("inertia", matrix()), ("rank", Shape::Scalar)];
+    named_fields("OperationalInertia", fields)
+}
+
+pub fn constraint_projection(s: &Sizes) -> Shape {
+    let fields = vec![("dq", velocities(s)), ("dqd", velocities(s)), ("rank", Shape::Scalar)];
+    named_fields("ConstraintProjection", fields)
+}
+
+pub fn state(s: &Sizes) -> Shape {
+    Shape::vector(2 * s.nv)
+}
+
+pub fn wrenches(s: &Sizes) -> Shape {
+    Shape::wrench().array(s.links)
+}
+
+pub fn constraint_wrenches(s: &Sizes) -> Shape {
+    Shape::wrench().array(s.constraints)
+}
+
+pub fn contact_vectors(s: &Sizes) -> Shape {
+    Shape::vector3().array(s.contacts)
+}
+
+pub fn point_forces(s: &Sizes) -> Shape {
+    Shape::vector3().array(s.touching_points)
+}
+
+pub fn controls(s: &Sizes) -> Shape {
+    Shape::vector(s.controls)
+}
+
+pub fn activations(s: &Sizes) -> Shape {
+    Shape::vector(s.activations)
+}
+
+pub fn contacts(s: &Sizes) -> Shape {
+    Shape::Record(Record::Contacts, vec![("", Shape::vector(s.contacts))])
+}
+
+pub fn settings(s: &Sizes) -> Shape {
+    let scalars = |names: &[&'static str]| -> Vec<(&'static str, Shape)> {
+        names.iter().map(|&name| (name, Shape::Scalar)).collect()
+    };
+    let target_fields = [
+        vec![("pose", Shape::pose()), ("velocity", Shape::twist())],
+        scalars(&["tangential", "alpha", "beta", "compliance", "restitution", "weight"]),
+    ];
+    let target = Shape::Record(Record::Plain("ContactTarget"), target_fields.concat());
+    let mut fields = scalars(&["alpha", "beta", "tolerance", "rounding"]);
+    fields.push(("contacts", target.array(s.contacts)));
+    named_fields("ConstraintSettings", fields)
+}
+
+pub fn step_settings(s: &Sizes) -> Shape {
+    let surface_fields = vec![
+        ("plane", Shape::pose()),
+        ("radius", Shape::Scalar),
+        ("friction", Shape::Scalar),
+        ("torsional_friction", Shape::Scalar),
+        ("rolling_friction", Shape::Scalar),
+        ("margin", Shape::Scalar),
+        ("solref", Shape::vector(2)),
+        ("solimp", Shape::vector(4)),
+    ];
+    let surface = Shape::Record(Record::Plain("ContactSurface"), surface_fields);
+    let fields = vec![
+        ("tolerance", Shape::Scalar),
+        ("impratio", Shape::Scalar),
+        ("contacts", surface.array(s.touching_shapes)),
+    ];
+    named_fields("StepSettings", fields)
+}
+
+fn named_fields(name: &'static str, fields: Vec<(&'static str, Shape)>) -> Shape {
+    Shape::Record(Record::Several(name), fields)
+}
+
+/// Returns the layout of joint vectors.
+fn vectors(name: &'static str, fields: &[&'static str], s: &Sizes) -> Shape {
+    named_fields(name, fields.iter().map(|&field| (field, velocities(s))).collect())
+}
+
+/// Returns the layout of joint vectors, then square matrices.
+fn hessian(
+    name: &'static str,
+    vectors: &[&'static str],
+    matrices: &[&'static str],
+    s: &Sizes,
+) -> Shape {
+    let vectors = vectors.iter().map(|&field| (field, velocities(s)));
+    named_fields(name, vectors.chain(matrices.iter().map(|&field| (field, square(s)))).collect())
+}
