@@ -79,3 +79,12 @@ impl<'a, S> ForwardInput<'a, S> {
         State { q, qd }
     }
 }
+
+impl<'a, S> TimeStepInput<'a, S> {
+    /// Returns the input of forward dynamics.
+    #[must_use]
+    pub fn forward_input(self) -> ForwardInput<'a, S> {
+        let Self { q, qd, tau, .. } = self;
+        ForwardInput { q, qd, tau }
+    }
+}

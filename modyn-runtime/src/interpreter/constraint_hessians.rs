@@ -55,27 +55,22 @@ impl<S: Scalar> Interpreter<S> {
     /// If a slice does not have the model's length.
     pub fn constrained_forward_dynamics_hessian(
         &mut self,
-        ForwardInput { q, qd, tau }: ForwardInput<'_, S>,
+        input: ForwardInput<'_, S>,
         cotangent: ConstrainedCotangent<'_, S>,
         active: &[bool],
         settings: &ConstraintSettings<S, impl AsRef<[ContactTarget<S>]>>,
         outputs: ConstrainedHessianOutputs<'_, S>,
     ) -> Result<S, ShapeError> {
-        let n = self.model.nv();
         let count = self.model.constraints();
-        check("q", q, self.model.nq())?;
-        check("qd", qd, n)?;
-        check("tau", tau, n)?;
-        check("qdd", outputs.qdd, n)?;
+        self.check_forward_input(input)?;
+        self.check_vectors(&[("qdd", outputs.qdd)])?;
         check("wrenches", outputs.wrenches, count)?;
-        check("cotangent", cotangent.qdd, n)?;
+        self.check_vectors(&[("cotangent", cotangent.qdd)])?;
         check("wrench_cotangent", cotangent.wrenches, count)?;
-        for gradient in &outputs.gradients {
-            check("gradients", gradient, n)?;
-        }
+        self.check_vectors(&outputs.gradients.each_ref().map(|x| ("gradients", &**x)))?;
         self.check_hessian(&outputs.hessian)?;
         self.set_active(active, settings)?;
-        Ok(self.solve_hessian(ForwardInput { q, qd, tau }, cotangent, settings, outputs))
+        Ok(self.solve_hessian(input, cotangent, settings, outputs))
     }
 
     /// Computes the Hessian with the set of active contacts that was stored last. Lengths are not

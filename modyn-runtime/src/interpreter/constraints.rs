@@ -45,24 +45,17 @@ impl<S: Scalar> Interpreter<S> {
     /// If a slice does not have the model's length.
     pub fn constrained_forward_dynamics(
         &mut self,
-        ForwardInput { q, qd, tau }: ForwardInput<'_, S>,
+        input: ForwardInput<'_, S>,
         active: &[bool],
         settings: &ConstraintSettings<S, impl AsRef<[ContactTarget<S>]>>,
-        ConstrainedOutputs { qdd, wrenches, residuals }: ConstrainedOutputs<'_, S>,
+        outputs: ConstrainedOutputs<'_, S>,
     ) -> Result<S, ShapeError> {
-        let n = self.model.nv();
-        check("q", q, self.model.nq())?;
-        check("qd", qd, n)?;
-        check("tau", tau, n)?;
-        check("qdd", qdd, n)?;
-        check("wrenches", wrenches, self.model.constraints())?;
-        check("residuals", residuals, self.model.constraints())?;
+        self.check_forward_input(input)?;
+        self.check_vectors(&[("qdd", outputs.qdd)])?;
+        check("wrenches", outputs.wrenches, self.model.constraints())?;
+        check("residuals", outputs.residuals, self.model.constraints())?;
         self.set_active(active, settings)?;
-        Ok(self.solve_constrained(
-            ForwardInput { q, qd, tau },
-            settings,
-            ConstrainedOutputs { qdd, wrenches, residuals },
-        ))
+        Ok(self.solve_constrained(input, settings, outputs))
     }
 
     /// Computes the smallest step `dq` (rad or m, in tangent space) that closes the loops at `q`
@@ -81,18 +74,15 @@ impl<S: Scalar> Interpreter<S> {
     /// If a slice does not have the model's length.
     pub fn project_constraints(
         &mut self,
-        State { q, qd }: State<'_, S>,
+        state: State<'_, S>,
         active: &[bool],
         settings: &ConstraintSettings<S, impl AsRef<[ContactTarget<S>]>>,
-        ProjectionOutputs { dq, dqd }: ProjectionOutputs<'_, S>,
+        outputs: ProjectionOutputs<'_, S>,
     ) -> Result<S, ShapeError> {
-        let n = self.model.nv();
-        check("q", q, self.model.nq())?;
-        check("qd", qd, n)?;
-        check("dq", dq, n)?;
-        check("dqd", dqd, n)?;
+        self.check_state(state)?;
+        self.check_vectors(&[("dq", outputs.dq), ("dqd", outputs.dqd)])?;
         self.set_active(active, settings)?;
-        Ok(self.solve_projection(State { q, qd }, settings, ProjectionOutputs { dq, dqd }))
+        Ok(self.solve_projection(state, settings, outputs))
     }
 
     /// Stores the set of active contacts, and checks the number of targets.
@@ -135,12 +125,11 @@ impl<S: Scalar> Interpreter<S> {
     /// If a slice does not have the model's length.
     pub fn constraint_residual(
         &mut self,
-        State { q, qd }: State<'_, S>,
+        state: State<'_, S>,
         settings: &ConstraintSettings<S, impl AsRef<[ContactTarget<S>]>>,
         ResidualOutputs { displacements, velocities }: ResidualOutputs<'_, S>,
     ) -> Result<(), ShapeError> {
-        check("q", q, self.model.nq())?;
-        check("qd", qd, self.model.nv())?;
+        self.check_state(state)?;
         check("displacements", displacements, self.model.constraints())?;
         check("velocities", velocities, self.model.constraints())?;
         let targets = settings.contacts.as_ref();
@@ -148,7 +137,7 @@ impl<S: Scalar> Interpreter<S> {
         let Constraints { mechanism, workspaces, .. } = self.constraints();
         constraints::constraint_residual(
             mechanism,
-            State { q, qd },
+            state,
             targets,
             workspaces,
             ResidualOutputs { displacements, velocities },
@@ -171,18 +160,16 @@ impl<S: Scalar> Interpreter<S> {
     /// If a slice does not have the model's length.
     pub fn contact_impulse(
         &mut self,
-        State { q, qd }: State<'_, S>,
+        state: State<'_, S>,
         active: &[bool],
         settings: &ConstraintSettings<S, impl AsRef<[ContactTarget<S>]>>,
-        ImpulseOutputs { qd: after, impulses }: ImpulseOutputs<'_, S>,
+        outputs: ImpulseOutputs<'_, S>,
     ) -> Result<S, ShapeError> {
-        let n = self.model.nv();
-        check("q", q, self.model.nq())?;
-        check("qd", qd, n)?;
-        check("after", after, n)?;
-        check("impulses", impulses, self.model.constraints())?;
+        self.check_state(state)?;
+        self.check_vectors(&[("after", outputs.qd)])?;
+        check("impulses", outputs.impulses, self.model.constraints())?;
         self.set_active(active, settings)?;
-        Ok(self.solve_impulse(State { q, qd }, settings, ImpulseOutputs { qd: after, impulses }))
+        Ok(self.solve_impulse(state, settings, outputs))
     }
 
     /// Computes the joint forces `tau` (N m or N) of the accelerations `qdd`, and the wrenches of
@@ -200,23 +187,16 @@ impl<S: Scalar> Interpreter<S> {
     /// If a slice does not have the model's length.
     pub fn constrained_inverse_dynamics(
         &mut self,
-        Motion { q, qd, qdd }: Motion<'_, S>,
+        motion: Motion<'_, S>,
         active: &[bool],
         settings: &ConstraintSettings<S, impl AsRef<[ContactTarget<S>]>>,
-        ConstrainedInverseOutputs { tau, wrenches }: ConstrainedInverseOutputs<'_, S>,
+        outputs: ConstrainedInverseOutputs<'_, S>,
     ) -> Result<S, ShapeError> {
-        let n = self.model.nv();
-        check("q", q, self.model.nq())?;
-        check("qd", qd, n)?;
-        check("qdd", qdd, n)?;
-        check("tau", tau, n)?;
-        check("wrenches", wrenches, self.model.constraints())?;
+        self.check_motion(motion)?;
+        self.check_vectors(&[("tau", outputs.tau)])?;
+        check("wrenches", outputs.wrenches, self.model.constraints())?;
         self.set_active(active, settings)?;
-        Ok(self.solve_torques(
-            Motion { q, qd, qdd },
-            settings,
-            ConstrainedInverseOutputs { tau, wrenches },
-        ))
+        Ok(self.solve_torques(motion, settings, outputs))
     }
 
     /// Computes the Jacobian of each constraint into `columns`: a column for each entry of qd,
@@ -232,7 +212,7 @@ impl<S: Scalar> Interpreter<S> {
         q: &[S],
         columns: &mut [Twist<S>],
     ) -> Result<(), ShapeError> {
-        check("q", q, self.model.nq())?;
+        self.check_coordinates(q)?;
         check("columns", columns, self.model.constraints() * self.model.nv())?;
         let Constraints { mechanism, workspaces, .. } = self.constraints();
         constraints::constraint_jacobian(mechanism, q, workspaces, columns);
@@ -247,19 +227,13 @@ impl<S: Scalar> Interpreter<S> {
     /// If a slice does not have the model's length.
     pub fn constraint_bias_acceleration(
         &mut self,
-        State { q, qd }: State<'_, S>,
+        state: State<'_, S>,
         accelerations: &mut [Twist<S>],
     ) -> Result<(), ShapeError> {
-        check("q", q, self.model.nq())?;
-        check("qd", qd, self.model.nv())?;
+        self.check_state(state)?;
         check("accelerations", accelerations, self.model.constraints())?;
         let Self { mechanism, workspace, .. } = self;
-        constraints::constraint_bias_acceleration(
-            mechanism,
-            State { q, qd },
-            workspace,
-            accelerations,
-        );
+        constraints::constraint_bias_acceleration(mechanism, state, workspace, accelerations);
         Ok(())
     }
 
@@ -281,14 +255,14 @@ impl<S: Scalar> Interpreter<S> {
         q: &[S],
         active: &[bool],
         settings: &ConstraintSettings<S, impl AsRef<[ContactTarget<S>]>>,
-        OperationalInertiaOutputs { inverse, inertia }: OperationalInertiaOutputs<'_, S>,
+        outputs: OperationalInertiaOutputs<'_, S>,
     ) -> Result<S, ShapeError> {
         let rows = self.model.constraint_rows();
-        check("q", q, self.model.nq())?;
-        check("inverse", inverse, rows * rows)?;
-        check("inertia", inertia, rows * rows)?;
+        self.check_coordinates(q)?;
+        check("inverse", outputs.inverse, rows * rows)?;
+        check("inertia", outputs.inertia, rows * rows)?;
         self.set_active(active, settings)?;
-        Ok(self.solve_inertia(q, settings, OperationalInertiaOutputs { inverse, inertia }))
+        Ok(self.solve_inertia(q, settings, outputs))
     }
 
     /// Computes the accelerations and the wrenches of
@@ -306,26 +280,26 @@ impl<S: Scalar> Interpreter<S> {
     /// If a slice does not have the model's length.
     pub fn constrained_forward_dynamics_derivatives(
         &mut self,
-        ForwardInput { q, qd, tau }: ForwardInput<'_, S>,
+        input: ForwardInput<'_, S>,
         active: &[bool],
         settings: &ConstraintSettings<S, impl AsRef<[ContactTarget<S>]>>,
         outputs: ConstrainedDerivatives<'_, S>,
     ) -> Result<S, ShapeError> {
         let n = self.model.nv();
         let count = self.model.constraints();
-        check("q", q, self.model.nq())?;
-        check("qd", qd, n)?;
-        check("tau", tau, n)?;
-        check("qdd", outputs.qdd, n)?;
+        self.check_forward_input(input)?;
+        self.check_vectors(&[("qdd", outputs.qdd)])?;
         check("wrenches", outputs.wrenches, count)?;
-        check("dqdd_dq", outputs.dqdd_dq, n * n)?;
-        check("dqdd_dqd", outputs.dqdd_dqd, n * n)?;
-        check("dqdd_dtau", outputs.dqdd_dtau, n * n)?;
+        self.check_matrices(&[
+            ("dqdd_dq", outputs.dqdd_dq),
+            ("dqdd_dqd", outputs.dqdd_dqd),
+            ("dqdd_dtau", outputs.dqdd_dtau),
+        ])?;
         check("dwrenches_dq", outputs.dwrenches_dq, n * count)?;
         check("dwrenches_dqd", outputs.dwrenches_dqd, n * count)?;
         check("dwrenches_dtau", outputs.dwrenches_dtau, n * count)?;
         self.set_active(active, settings)?;
-        Ok(self.solve_derivatives(ForwardInput { q, qd, tau }, settings, outputs))
+        Ok(self.solve_derivatives(input, settings, outputs))
     }
 }
 

@@ -4,6 +4,7 @@ use alloc::string::String;
 
 use super::Interpreter;
 use super::errors::{ShapeError, check};
+use crate::equations::State;
 use crate::equations::kinematics::coordinates;
 use crate::{ConfigurationError, Scalar, configuration};
 
@@ -32,9 +33,8 @@ impl<S: Scalar> Interpreter<S> {
     /// If a slice does not have the model's length.
     pub fn integrate(&self, q: &[S], v: &[S], moved: &mut [S]) -> Result<(), ShapeError> {
         let nq = self.model.nq();
-        let nv = self.model.nv();
-        check("q", q, nq)?;
-        check("v", v, nv)?;
+        self.check_coordinates(q)?;
+        self.check_vectors(&[("v", v)])?;
         check("moved", moved, nq)?;
         coordinates::integrate(&self.mechanism, q, v, moved);
         Ok(())
@@ -49,10 +49,9 @@ impl<S: Scalar> Interpreter<S> {
     /// If a slice does not have the model's length.
     pub fn difference(&self, from: &[S], to: &[S], v: &mut [S]) -> Result<(), ShapeError> {
         let nq = self.model.nq();
-        let nv = self.model.nv();
         check("from", from, nq)?;
         check("to", to, nq)?;
-        check("v", v, nv)?;
+        self.check_vectors(&[("v", v)])?;
         coordinates::difference(&self.mechanism, from, to, v);
         Ok(())
     }
@@ -73,12 +72,9 @@ impl<S: Scalar> Interpreter<S> {
         dq: &mut [S],
         dv: &mut [S],
     ) -> Result<(), ShapeError> {
-        let nq = self.model.nq();
-        let nv = self.model.nv();
-        check("q", q, nq)?;
-        check("v", v, nv)?;
-        check("dq", dq, nv * nv)?;
-        check("dv", dv, nv * nv)?;
+        self.check_coordinates(q)?;
+        self.check_vectors(&[("v", v)])?;
+        self.check_matrices(&[("dq", dq), ("dv", dv)])?;
         coordinates::integrate_derivatives(&self.mechanism, v, dq, dv);
         Ok(())
     }
@@ -98,11 +94,9 @@ impl<S: Scalar> Interpreter<S> {
         dto: &mut [S],
     ) -> Result<(), ShapeError> {
         let nq = self.model.nq();
-        let nv = self.model.nv();
         check("from", from, nq)?;
         check("to", to, nq)?;
-        check("dfrom", dfrom, nv * nv)?;
-        check("dto", dto, nv * nv)?;
+        self.check_matrices(&[("dfrom", dfrom), ("dto", dto)])?;
         coordinates::difference_derivatives(&self.mechanism, from, to, dfrom, dto);
         Ok(())
     }
@@ -114,9 +108,7 @@ impl<S: Scalar> Interpreter<S> {
     /// If a slice does not have the model's length.
     pub fn velocity_to_qdot(&self, q: &[S], qd: &[S], rates: &mut [S]) -> Result<(), ShapeError> {
         let nq = self.model.nq();
-        let nv = self.model.nv();
-        check("q", q, nq)?;
-        check("qd", qd, nv)?;
+        self.check_state(State { q, qd })?;
         check("rates", rates, nq)?;
         coordinates::velocity_to_qdot(&self.mechanism, q, qd, rates);
         Ok(())
@@ -150,7 +142,7 @@ impl<S: Scalar> Interpreter<S> {
     ///
     /// If `q` does not have the model's length.
     pub fn normalize(&self, q: &mut [S]) -> Result<(), ShapeError> {
-        check("q", q, self.model.nq())?;
+        self.check_coordinates(q)?;
         coordinates::normalize(&self.mechanism, q);
         Ok(())
     }
@@ -173,7 +165,7 @@ impl<S: Scalar> Interpreter<S> {
     ///
     /// If `q` does not have the model's length.
     pub fn neutral(&self, q: &mut [S]) -> Result<(), ShapeError> {
-        check("q", q, self.model.nq())?;
+        self.check_coordinates(q)?;
         coordinates::neutral(&self.mechanism, q);
         Ok(())
     }
@@ -188,7 +180,7 @@ impl<S: Scalar> Interpreter<S> {
     ///
     /// If `q` does not have the model's length.
     pub fn random(&self, mut uniform: impl FnMut() -> S, q: &mut [S]) -> Result<(), ShapeError> {
-        check("q", q, self.model.nq())?;
+        self.check_coordinates(q)?;
         coordinates::random(&self.mechanism, &mut uniform, q);
         Ok(())
     }

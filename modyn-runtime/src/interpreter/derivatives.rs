@@ -1,7 +1,7 @@
 //! Derivatives of inverse and forward dynamics.
 
 use super::Interpreter;
-use super::errors::{ShapeError, check};
+use super::errors::ShapeError;
 use crate::Scalar;
 use crate::equations::brge::UduLayout;
 pub use crate::equations::derivatives::ForwardDerivatives;
@@ -29,12 +29,8 @@ impl<S: Scalar> Interpreter<S> {
         dtau_dq: &mut [S],
         dtau_dqd: &mut [S],
     ) -> Result<(), ShapeError> {
-        let n = self.model.nv();
-        check("q", q, self.model.nq())?;
-        check("qd", qd, n)?;
-        check("qdd", qdd, n)?;
-        check("dtau_dq", dtau_dq, n * n)?;
-        check("dtau_dqd", dtau_dqd, n * n)?;
+        self.check_motion(Motion { q, qd, qdd })?;
+        self.check_matrices(&[("dtau_dq", dtau_dq), ("dtau_dqd", dtau_dqd)])?;
         let Self { mechanism, workspace, .. } = self;
         let motion = Motion { q, qd, qdd };
         derivatives::inverse_dynamics_derivatives(mechanism, motion, workspace, dtau_dq, dtau_dqd);
@@ -54,10 +50,8 @@ impl<S: Scalar> Interpreter<S> {
         qd: &[S],
         columns: &mut [S],
     ) -> Result<(), ShapeError> {
-        let n = self.model.nv();
-        check("q", q, self.model.nq())?;
-        check("qd", qd, n)?;
-        check("columns", columns, n * n)?;
+        self.check_state(State { q, qd })?;
+        self.check_matrices(&[("columns", columns)])?;
         derivatives::coriolis_matrix(
             &self.mechanism,
             State { q, qd },
@@ -84,11 +78,10 @@ impl<S: Scalar> Interpreter<S> {
         tau: &mut [S],
         dtau_dq: &mut [S],
     ) -> Result<(), ShapeError> {
-        let n = self.model.nv();
-        check("q", q, self.model.nq())?;
+        self.check_coordinates(q)?;
         self.check_forces(Some(forces))?;
-        check("tau", tau, n)?;
-        check("dtau_dq", dtau_dq, n * n)?;
+        self.check_vectors(&[("tau", tau)])?;
+        self.check_matrices(&[("dtau_dq", dtau_dq)])?;
         let Self { mechanism, workspace, .. } = self;
         derivatives::generalized_forces(mechanism, q, forces, workspace, tau, dtau_dq);
         Ok(())
@@ -106,20 +99,15 @@ impl<S: Scalar> Interpreter<S> {
     /// If a slice does not have the model's length.
     pub fn inverse_dynamics_external_derivatives(
         &mut self,
-        Motion { q, qd, qdd }: Motion<'_, S>,
+        motion: Motion<'_, S>,
         forces: Forces<'_, S>,
         dtau_dq: &mut [S],
         dtau_dqd: &mut [S],
     ) -> Result<(), ShapeError> {
-        let n = self.model.nv();
-        check("q", q, self.model.nq())?;
-        check("qd", qd, n)?;
-        check("qdd", qdd, n)?;
+        self.check_motion(motion)?;
         self.check_forces(Some(forces))?;
-        check("dtau_dq", dtau_dq, n * n)?;
-        check("dtau_dqd", dtau_dqd, n * n)?;
+        self.check_matrices(&[("dtau_dq", dtau_dq), ("dtau_dqd", dtau_dqd)])?;
         let Self { mechanism, workspace, .. } = self;
-        let motion = Motion { q, qd, qdd };
         let derive = derivatives::inverse_dynamics_external_derivatives;
         derive(mechanism, motion, forces, workspace, dtau_dq, dtau_dqd);
         Ok(())
@@ -181,16 +169,15 @@ impl<S: Scalar> Interpreter<S> {
     /// If a slice does not have the model's length.
     pub fn forward_dynamics_external_derivatives(
         &mut self,
-        ForwardInput { q, qd, tau }: ForwardInput<'_, S>,
+        input: ForwardInput<'_, S>,
         forces: Forces<'_, S>,
         outputs: ForwardDerivatives<'_, S>,
     ) -> Result<(), ShapeError> {
         self.check_forces(Some(forces))?;
-        self.check_derivatives(ForwardInput { q, qd, tau }, &outputs)?;
+        self.check_derivatives(input, &outputs)?;
         let Self { mechanism, workspace, model, links, .. } = self;
         let layout =
             links.get_or_insert_with(|| UduLayout::new(mechanism, &ModuleTree::links(model)));
-        let input = ForwardInput { q, qd, tau };
         let derive = derivatives::forward_dynamics_external_derivatives;
         derive(mechanism, layout, input, forces, workspace, outputs);
         Ok(())
@@ -198,16 +185,15 @@ impl<S: Scalar> Interpreter<S> {
 
     fn check_derivatives(
         &self,
-        ForwardInput { q, qd, tau }: ForwardInput<'_, S>,
+        input: ForwardInput<'_, S>,
         outputs: &ForwardDerivatives<'_, S>,
     ) -> Result<(), ShapeError> {
-        let n = self.model.nv();
-        check("q", q, self.model.nq())?;
-        check("qd", qd, n)?;
-        check("tau", tau, n)?;
-        check("qdd", outputs.qdd, n)?;
-        check("dqdd_dq", outputs.dqdd_dq, n * n)?;
-        check("dqdd_dqd", outputs.dqdd_dqd, n * n)?;
-        check("dqdd_dtau", outputs.dqdd_dtau, n * n)
+        self.check_forward_input(input)?;
+        self.check_vectors(&[("qdd", outputs.qdd)])?;
+        self.check_matrices(&[
+            ("dqdd_dq", outputs.dqdd_dq),
+            ("dqdd_dqd", outputs.dqdd_dqd),
+            ("dqdd_dtau", outputs.dqdd_dtau),
+        ])
     }
 }

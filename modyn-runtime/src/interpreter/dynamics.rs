@@ -58,18 +58,14 @@ impl<S: Scalar> Interpreter<S> {
 
     fn accelerate(
         &mut self,
-        ForwardInput { q, qd, tau }: ForwardInput<'_, S>,
+        input: ForwardInput<'_, S>,
         forces: Option<Forces<'_, S>>,
         qdd: &mut [S],
     ) -> Result<(), ShapeError> {
-        let n = self.model.nv();
-        check("q", q, self.model.nq())?;
-        check("qd", qd, n)?;
-        check("tau", tau, n)?;
+        self.check_forward_input(input)?;
         self.check_forces(forces)?;
-        check("qdd", qdd, n)?;
+        self.check_vectors(&[("qdd", qdd)])?;
         let Self { mechanism, elimination, workspace, .. } = self;
-        let input = ForwardInput { q, qd, tau };
         forward_dynamics(mechanism, elimination, input, forces, workspace, qdd);
         Ok(())
     }
@@ -128,18 +124,16 @@ impl<S: Scalar> Interpreter<S> {
 
     fn required_torques(
         &mut self,
-        State { q, qd }: State<'_, S>,
+        state: State<'_, S>,
         qdd: Option<&[S]>,
         forces: Option<Forces<'_, S>>,
         tau: &mut [S],
     ) -> Result<(), ShapeError> {
         let n = self.model.nv();
-        check("q", q, self.model.nq())?;
-        check("qd", qd, n)?;
+        self.check_state(state)?;
         qdd.map_or(Ok(()), |qdd| check("qdd", qdd, n))?;
         self.check_forces(forces)?;
-        check("tau", tau, n)?;
-        let state = State { q, qd };
+        self.check_vectors(&[("tau", tau)])?;
         inverse_dynamics(&self.mechanism, state, qdd, forces, &mut self.workspace, tau);
         Ok(())
     }
@@ -184,9 +178,8 @@ impl<S: Scalar> Interpreter<S> {
     ///
     /// If a slice does not have the model's length.
     pub fn gravity_torques(&mut self, q: &[S], tau: &mut [S]) -> Result<(), ShapeError> {
-        let n = self.model.nv();
-        check("q", q, self.model.nq())?;
-        check("tau", tau, n)?;
+        self.check_coordinates(q)?;
+        self.check_vectors(&[("tau", tau)])?;
         gravity_torques(&self.mechanism, q, &mut self.workspace, tau);
         Ok(())
     }
@@ -209,9 +202,8 @@ impl<S: Scalar> Interpreter<S> {
     ///
     /// If a slice does not have the model's length.
     pub fn mass_matrix(&mut self, q: &[S], columns: &mut [S]) -> Result<(), ShapeError> {
-        let n = self.model.nv();
-        check("q", q, self.model.nq())?;
-        check("columns", columns, n * n)?;
+        self.check_coordinates(q)?;
+        self.check_matrices(&[("columns", columns)])?;
         mass_matrix(&self.mechanism, q, &mut self.workspace, columns);
         Ok(())
     }
@@ -232,9 +224,7 @@ impl<S: Scalar> Interpreter<S> {
     ///
     /// If a slice does not have the model's length.
     pub fn kinetic_energy(&mut self, q: &[S], qd: &[S]) -> Result<S, ShapeError> {
-        let n = self.model.nv();
-        check("q", q, self.model.nq())?;
-        check("qd", qd, n)?;
+        self.check_state(State { q, qd })?;
         Ok(kinetic_energy(&self.mechanism, q, qd, &mut self.workspace))
     }
 
@@ -255,7 +245,7 @@ impl<S: Scalar> Interpreter<S> {
     ///
     /// If a slice does not have the model's length.
     pub fn potential_energy(&mut self, q: &[S]) -> Result<S, ShapeError> {
-        check("q", q, self.model.nq())?;
+        self.check_coordinates(q)?;
         Ok(potential_energy(&self.mechanism, q, &mut self.workspace))
     }
 }

@@ -30,7 +30,7 @@ impl<S: Scalar> Interpreter<S> {
     ///
     /// If `q` does not have the model's length.
     pub fn brge(&self, q: &[S]) -> Result<UduFactorization<S>, ShapeError> {
-        check("q", q, self.model.nq())?;
+        self.check_coordinates(q)?;
         let layout = self.layout.clone();
         let factors = vec![S::zero(); layout.size()];
         let workspace = Workspace::new(&self.mechanism);

@@ -176,10 +176,10 @@ impl<S: Scalar> Interpreter<S> {
         let n = self.model.nv();
         check("costate", costate, 2 * n)?;
         check("dx", dx, 2 * n)?;
-        check("dtau", dtau, n)?;
+        self.check_vectors(&[("dtau", dtau)])?;
         check("dx_dx", dx_dx, 4 * n * n)?;
         check("dx_dtau", dx_dtau, 2 * n * n)?;
-        check("dtau_dtau", dtau_dtau, n * n)?;
+        self.check_matrices(&[("dtau_dtau", dtau_dtau)])?;
         self.step_semi_implicit(TimeStepInput { q, qd, tau, dt }, next_q, next_qd)?;
         let model = self.mechanism.map(Tangent::constant);
         let layout = UduLayout::new(&self.mechanism, &ModuleTree::links(&self.model));
@@ -285,9 +285,7 @@ impl<S: Scalar> Interpreter<S> {
         }
     }
 
-    pub(super) fn check_hessian(&self, [a, b, c, d]: &[&mut [S]; 4]) -> Result<(), ShapeError> {
-        let n = self.model.nv();
-        let blocks = [a, b, c, d];
-        blocks.iter().try_for_each(|block| check("hessian", block, n * n))
+    pub(super) fn check_hessian(&self, blocks: &[&mut [S]; 4]) -> Result<(), ShapeError> {
+        self.check_matrices(&blocks.each_ref().map(|block| ("hessian", &**block)))
     }
 }

@@ -18,10 +18,9 @@ impl<S: Scalar> Interpreter<S> {
         if frame < count { Ok(()) } else { Err(FrameError::NoFrame { frame, count }) }
     }
 
-    fn check_motion(&self, frame: usize, q: &[S], qd: &[S]) -> Result<(), FrameError> {
+    fn check_link_state(&self, frame: usize, state: State<'_, S>) -> Result<(), FrameError> {
         self.check_frame(frame)?;
-        check("q", q, self.model.nq())?;
-        Ok(check("qd", qd, self.model.nv())?)
+        Ok(self.check_state(state)?)
     }
 
     /// Returns the pose of a link in the world.
@@ -43,7 +42,7 @@ impl<S: Scalar> Interpreter<S> {
     /// If there is no such link, or if a slice does not have the model's length.
     pub fn link_pose(&self, q: &[S], frame: usize) -> Result<Pose<S>, FrameError> {
         self.check_frame(frame)?;
-        check("q", q, self.model.nq())?;
+        self.check_coordinates(q)?;
         Ok(kinematics::link_pose(&self.mechanism, frame, q))
     }
 
@@ -96,7 +95,7 @@ impl<S: Scalar> Interpreter<S> {
         frame: usize,
         axes: Axes,
     ) -> Result<Twist<S>, FrameError> {
-        self.check_motion(frame, q, qd)?;
+        self.check_link_state(frame, State { q, qd })?;
         let Self { mechanism, workspace, .. } = self;
         Ok(kinematics::link_velocity(mechanism, frame, State { q, qd }, axes, workspace))
     }
@@ -139,8 +138,8 @@ impl<S: Scalar> Interpreter<S> {
         frame: usize,
         axes: Axes,
     ) -> Result<Twist<S>, FrameError> {
-        self.check_motion(frame, q, qd)?;
-        check("qdd", qdd, self.model.nv())?;
+        self.check_link_state(frame, State { q, qd })?;
+        self.check_vectors(&[("qdd", qdd)])?;
         let Self { mechanism, workspace, .. } = self;
         Ok(kinematics::link_acceleration(mechanism, frame, Motion { q, qd, qdd }, axes, workspace))
     }
@@ -196,7 +195,7 @@ impl<S: Scalar> Interpreter<S> {
         columns: &mut [Twist<S>],
     ) -> Result<(), FrameError> {
         self.check_frame(frame)?;
-        check("q", q, self.model.nq())?;
+        self.check_coordinates(q)?;
         check("columns", columns, self.model.nv())?;
         let Self { mechanism, workspace, .. } = self;
         kinematics::jacobian(mechanism, frame, q, axes, workspace, columns);
@@ -244,7 +243,7 @@ impl<S: Scalar> Interpreter<S> {
         axes: Axes,
         columns: &mut [Twist<S>],
     ) -> Result<(), FrameError> {
-        self.check_motion(frame, q, qd)?;
+        self.check_link_state(frame, State { q, qd })?;
         check("columns", columns, self.model.nv())?;
         let Self { mechanism, workspace, .. } = self;
         let state = State { q, qd };
@@ -292,7 +291,7 @@ impl<S: Scalar> Interpreter<S> {
         frame: usize,
         axes: Axes,
     ) -> Result<Twist<S>, FrameError> {
-        self.check_motion(frame, q, qd)?;
+        self.check_link_state(frame, State { q, qd })?;
         let Self { mechanism, workspace, .. } = self;
         Ok(kinematics::bias_acceleration(mechanism, frame, State { q, qd }, axes, workspace))
     }
@@ -319,7 +318,7 @@ impl<S: Scalar> Interpreter<S> {
     ///
     /// If a slice does not have the model's length.
     pub fn link_poses(&mut self, q: &[S], poses: &mut [Pose<S>]) -> Result<(), ShapeError> {
-        check("q", q, self.model.nq())?;
+        self.check_coordinates(q)?;
         check("poses", poses, self.mechanism.frames.len())?;
         let Self { mechanism, workspace, body_poses, .. } = self;
         kinematics::link_poses(mechanism, q, workspace, body_poses, poses);

@@ -6,6 +6,7 @@
 //! lengths fit by construction.
 
 mod actuation;
+mod checks;
 mod constraint_hessians;
 mod constraints;
 mod coordinates;

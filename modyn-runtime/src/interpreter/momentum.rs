@@ -30,7 +30,7 @@ impl<S: Scalar> Interpreter<S> {
     ///
     /// If a slice does not have the model's length.
     pub fn center_of_mass(&mut self, q: &[S]) -> Result<[S; 3], ShapeError> {
-        check("q", q, self.model.nq())?;
+        self.check_coordinates(q)?;
         Ok(center_of_mass(&self.mechanism, q, &mut self.workspace).0)
     }
 
@@ -45,7 +45,7 @@ impl<S: Scalar> Interpreter<S> {
         q: &[S],
         columns: &mut [Vector3<S>],
     ) -> Result<(), ShapeError> {
-        check("q", q, self.model.nq())?;
+        self.check_coordinates(q)?;
         check("columns", columns, self.model.nv())?;
         center_of_mass_jacobian(&self.mechanism, q, &mut self.workspace, columns);
         Ok(())
@@ -63,7 +63,7 @@ impl<S: Scalar> Interpreter<S> {
         q: &[S],
         columns: &mut [Momentum<S>],
     ) -> Result<(), ShapeError> {
-        check("q", q, self.model.nq())?;
+        self.check_coordinates(q)?;
         check("columns", columns, self.model.nv())?;
         centroidal_momentum_matrix(&self.mechanism, q, &mut self.workspace, columns);
         Ok(())
@@ -81,7 +81,7 @@ impl<S: Scalar> Interpreter<S> {
         q: &[S],
         columns: &mut [Momentum<S>; 6],
     ) -> Result<(), ShapeError> {
-        check("q", q, self.model.nq())?;
+        self.check_coordinates(q)?;
         centroidal_composite_inertia(&self.mechanism, q, &mut self.workspace, columns);
         Ok(())
     }
@@ -93,8 +93,7 @@ impl<S: Scalar> Interpreter<S> {
     ///
     /// If a slice does not have the model's length.
     pub fn centroidal_momentum(&mut self, q: &[S], qd: &[S]) -> Result<Momentum<S>, ShapeError> {
-        check("q", q, self.model.nq())?;
-        check("qd", qd, self.model.nv())?;
+        self.check_state(State { q, qd })?;
         Ok(centroidal_momentum(&self.mechanism, State { q, qd }, &mut self.workspace))
     }
 
@@ -108,12 +107,10 @@ impl<S: Scalar> Interpreter<S> {
     /// If a slice does not have the model's length.
     pub fn centroidal_momentum_rate(
         &mut self,
-        Motion { q, qd, qdd }: Motion<'_, S>,
+        motion: Motion<'_, S>,
     ) -> Result<Momentum<S>, ShapeError> {
-        check("q", q, self.model.nq())?;
-        check("qd", qd, self.model.nv())?;
-        check("qdd", qdd, self.model.nv())?;
-        Ok(centroidal_momentum_rate(&self.mechanism, Motion { q, qd, qdd }, &mut self.workspace))
+        self.check_motion(motion)?;
+        Ok(centroidal_momentum_rate(&self.mechanism, motion, &mut self.workspace))
     }
 
     /// Computes [`centroidal_momentum`](Self::centroidal_momentum), its time derivative, and the
@@ -125,17 +122,14 @@ impl<S: Scalar> Interpreter<S> {
     /// If a slice does not have the model's length.
     pub fn centroidal_momentum_derivatives(
         &mut self,
-        Motion { q, qd, qdd }: Motion<'_, S>,
+        motion: Motion<'_, S>,
         outputs: CentroidalOutputs<'_, S>,
     ) -> Result<(), ShapeError> {
         let nv = self.model.nv();
-        check("q", q, self.model.nq())?;
-        check("qd", qd, nv)?;
-        check("qdd", qdd, nv)?;
+        self.check_motion(motion)?;
         check("momentum_dq", outputs.momentum_dq, nv)?;
         check("rate_dq", outputs.rate_dq, nv)?;
         check("rate_dqd", outputs.rate_dqd, nv)?;
-        let motion = Motion { q, qd, qdd };
         centroidal_momentum_derivatives(&self.mechanism, motion, &mut self.workspace, outputs);
         Ok(())
     }

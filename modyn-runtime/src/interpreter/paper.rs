@@ -13,7 +13,7 @@ impl<S: Scalar> Interpreter<S> {
     ///
     /// If `q` does not have the model's length.
     pub fn denoc(&mut self, q: &[S]) -> Result<DeNoc<S>, ShapeError> {
-        check("q", q, self.model.nq())?;
+        self.check_coordinates(q)?;
         Ok(denoc(&self.mechanism, q, &mut self.workspace))
     }
 

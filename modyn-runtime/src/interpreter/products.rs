@@ -3,7 +3,7 @@
 
 use alloc::{vec, vec::Vec};
 
-use super::errors::{ShapeError, check};
+use super::errors::ShapeError;
 use super::{ForwardDerivatives, Interpreter};
 use crate::Scalar;
 use crate::equations::{ForwardInput, Motion};
@@ -18,12 +18,12 @@ impl<S: Scalar> Interpreter<S> {
     /// If a slice does not have the model's length.
     pub fn inverse_dynamics_vjp(
         &mut self,
-        Motion { q, qd, qdd }: Motion<'_, S>,
+        motion: Motion<'_, S>,
         cotangent: &[S],
         tau: &mut [S],
         [dq, dqd, dqdd]: [&mut [S]; 3],
     ) -> Result<(), ShapeError> {
-        let by = self.inverse_matrices(Motion { q, qd, qdd }, tau)?;
+        let by = self.inverse_matrices(motion, tau)?;
         self.check_vectors(&[("cotangent", cotangent), ("dq", dq), ("dqd", dqd), ("dqdd", dqdd)])?;
         for (by, out) in by.iter().zip([dq, dqd, dqdd]) {
             multiply_transposed(by, cotangent, out);
@@ -39,12 +39,12 @@ impl<S: Scalar> Interpreter<S> {
     /// If a slice does not have the model's length.
     pub fn inverse_dynamics_jvp(
         &mut self,
-        Motion { q, qd, qdd }: Motion<'_, S>,
+        motion: Motion<'_, S>,
         [dq, dqd, dqdd]: [&[S]; 3],
         tau: &mut [S],
         dtau: &mut [S],
     ) -> Result<(), ShapeError> {
-        let by = self.inverse_matrices(Motion { q, qd, qdd }, tau)?;
+        let by = self.inverse_matrices(motion, tau)?;
         self.check_vectors(&[("dq", dq), ("dqd", dqd), ("dqdd", dqdd), ("dtau", dtau)])?;
         multiply(&by, [dq, dqd, dqdd], dtau);
         Ok(())
@@ -59,12 +59,12 @@ impl<S: Scalar> Interpreter<S> {
     /// If a slice does not have the model's length.
     pub fn forward_dynamics_vjp(
         &mut self,
-        ForwardInput { q, qd, tau }: ForwardInput<'_, S>,
+        input: ForwardInput<'_, S>,
         cotangent: &[S],
         qdd: &mut [S],
         [dq, dqd, dtau]: [&mut [S]; 3],
     ) -> Result<(), ShapeError> {
-        let by = self.forward_matrices(ForwardInput { q, qd, tau }, qdd)?;
+        let by = self.forward_matrices(input, qdd)?;
         self.check_vectors(&[("cotangent", cotangent), ("dq", dq), ("dqd", dqd), ("dtau", dtau)])?;
         for (by, out) in by.iter().zip([dq, dqd, dtau]) {
             multiply_transposed(by, cotangent, out);
@@ -80,12 +80,12 @@ impl<S: Scalar> Interpreter<S> {
     /// If a slice does not have the model's length.
     pub fn forward_dynamics_jvp(
         &mut self,
-        ForwardInput { q, qd, tau }: ForwardInput<'_, S>,
+        input: ForwardInput<'_, S>,
         [dq, dqd, dtau]: [&[S]; 3],
         qdd: &mut [S],
         dqdd: &mut [S],
     ) -> Result<(), ShapeError> {
-        let by = self.forward_matrices(ForwardInput { q, qd, tau }, qdd)?;
+        let by = self.forward_matrices(input, qdd)?;
         self.check_vectors(&[("dq", dq), ("dqd", dqd), ("dtau", dtau), ("dqdd", dqdd)])?;
         multiply(&by, [dq, dqd, dtau], dqdd);
         Ok(())
@@ -120,11 +120,6 @@ impl<S: Scalar> Interpreter<S> {
 
     fn matrices(&self) -> [Vec<S>; 3] {
         core::array::from_fn(|_| vec![S::zero(); self.model.nv() * self.model.nv()])
-    }
-
-    /// Checks the lengths of joint vectors.
-    fn check_vectors(&self, vectors: &[(&'static str, &[S])]) -> Result<(), ShapeError> {
-        vectors.iter().try_for_each(|(name, vector)| check(name, vector, self.model.nv()))
     }
 }
 

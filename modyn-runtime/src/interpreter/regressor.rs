@@ -42,9 +42,7 @@ impl<S: Scalar> Interpreter<S> {
         columns: &mut [S],
     ) -> Result<(), ShapeError> {
         let n = self.model.nv();
-        check("q", q, self.model.nq())?;
-        check("qd", qd, n)?;
-        check("qdd", qdd, n)?;
+        self.check_motion(Motion { q, qd, qdd })?;
         check("columns", columns, n * PARAMETERS_PER_LINK * self.model.links().len())?;
         let motion = Motion { q, qd, qdd };
         regressor(&self.mechanism, motion, &mut self.workspace, columns);

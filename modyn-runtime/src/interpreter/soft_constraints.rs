@@ -79,7 +79,7 @@ impl<S: Scalar> Interpreter<S> {
         next_act: &mut [S],
     ) -> Result<(), ShapeError> {
         let ActuatedInput { actuators, applied, .. } = input;
-        check("applied", applied, self.model.nv())?;
+        self.check_vectors(&[("applied", applied)])?;
         self.check_actuators(actuators)?;
         check("next_act", next_act, actuators.act.len())?;
         let Self { model, actuation, mechanism, .. } = self;

@@ -170,12 +170,8 @@ impl<S: Scalar> Interpreter<S> {
         next_q: &[S],
         next_qd: &[S],
     ) -> Result<(), ShapeError> {
-        let nq = self.model.nq();
-        let nv = self.model.nv();
-        check("q", input.q, nq)?;
-        check("qd", input.qd, nv)?;
-        check("tau", input.tau, nv)?;
-        check("next_q", next_q, nq)?;
-        check("next_qd", next_qd, nv)
+        self.check_forward_input(input.forward_input())?;
+        check("next_q", next_q, self.model.nq())?;
+        self.check_vectors(&[("next_qd", next_qd)])
     }
 }
