@@ -230,7 +230,7 @@ impl ContactSteps {
         };
         match actuators {
             None => {
-                let input = StepInput { q, qd, tau, warm_start: qdd, dt };
+                let input = StepInput { step: input, warm_start: qdd };
                 interpreter.step(input, settings, outputs)?;
             }
             Some(Actuators { ctrl, act }) => {

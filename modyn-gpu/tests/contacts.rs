@@ -8,6 +8,7 @@ use modyn_codegen::{
     Base, Builder, Bundle, Contact, ContactKind, Function, LoopEnd, RolloutForces, RolloutOptions,
 };
 use modyn_gpu::{Gpu, Rollout, RolloutArguments};
+use modyn_runtime::equations::TimeStepInput;
 use modyn_runtime::equations::soft_constraints::StepInput;
 use modyn_runtime::{
     ConstraintSettings, ContactSurface, ContactTarget, Interpreter, StepSettings,
@@ -181,7 +182,8 @@ fn expected_by_solver(start: &[f64], goals: &[f64]) -> (Vec<f64>, Vec<f64>) {
         }
         let warm_start = qdd.clone();
         let dt = f64::from(DT);
-        let input = StepInput { q: &q, qd: &qd, tau: &tau, warm_start: &warm_start, dt };
+        let step = TimeStepInput { q: &q, qd: &qd, tau: &tau, dt };
+        let input = StepInput { step, warm_start: &warm_start };
         let mut next_q = q.clone();
         let mut next_qd = qd.clone();
         let [mut residual, mut iterations] = [0.0; 2];

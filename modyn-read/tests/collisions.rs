@@ -2,6 +2,7 @@
 
 use modyn_read::diagnostics::{Code, Diagnostics};
 use modyn_read::{Base, Contact, ContactKind, FileStore, Ground, LoopEnd, ReadOptions, Reading};
+use modyn_runtime::equations::TimeStepInput;
 use modyn_runtime::equations::soft_constraints::StepInput;
 use modyn_runtime::model::{ContactShape, Model, TouchingShape};
 use modyn_runtime::{Interpreter, StepSolutionOutputs};
@@ -142,7 +143,8 @@ fn step(model: &Model) -> [Vec<f64>; 2] {
         residual: &mut 0.0,
         iterations: &mut 0.0,
     };
-    let input = StepInput { q: &q, qd: &qd, tau: &[0.0; 7], warm_start: &[0.0; 7], dt: 0.002 };
+    let step = TimeStepInput { q: &q, qd: &qd, tau: &[0.0; 7], dt: 0.002 };
+    let input = StepInput { step, warm_start: &[0.0; 7] };
     let mut interpreter = Interpreter::<f64>::new(model.clone());
     interpreter.step(input, &model.step_settings(), outputs).expect("lengths");
     [velocities, forces]

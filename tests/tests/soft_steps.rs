@@ -4,6 +4,7 @@ use modyn_codegen::diagnostics::{Code, Severity};
 use modyn_codegen::plan::{Choices, Kernels, Plan};
 use modyn_codegen::program::Execution;
 use modyn_codegen::{Base, Mimic, ReadOptions, read};
+use modyn_runtime::equations::TimeStepInput;
 use modyn_runtime::equations::soft_constraints::{
     JointParameters, SoftModel, StepInput, StopParameters,
 };
@@ -144,7 +145,8 @@ fn steps_are_those_of_mujoco() {
             let tau = [&[0.0; 6][..], &tau].concat();
             let warm_start = vec![0.0; qd.len()];
             let dt = number(&file["step"]);
-            let input = StepInput { q: &q, qd: &qd, tau: &tau, warm_start: &warm_start, dt };
+            let step = TimeStepInput { q: &q, qd: &qd, tau: &tau, dt };
+            let input = StepInput { step, warm_start: &warm_start };
             let mut found = [vec![0.0; q.len()], vec![0.0; qd.len()]];
             let mut qdd = warm_start.clone();
             let mut forces = vec![0.0; 3 * contacts.len()];

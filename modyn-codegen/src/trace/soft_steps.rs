@@ -4,13 +4,13 @@
 use std::ops::Range;
 
 use modyn_runtime::Scalar;
-use modyn_runtime::equations::Workspace;
 use modyn_runtime::equations::actuation::{ActuationWorkspace, ActuatorInput};
 use modyn_runtime::equations::dynamics::Elimination;
 use modyn_runtime::equations::soft_constraints::{
     ActuatedForces, ActuatedInput, Advance, DampingMatrix, Iterate, JointParameters, Progress,
     Search, SoftModel, SoftMotion, StepInput, StepProblem, StopParameters, next_state,
 };
+use modyn_runtime::equations::{TimeStepInput, Workspace};
 use modyn_runtime::mechanism::{BodyTree, Mechanism};
 use modyn_runtime::model::{Impedance, Model, Softness};
 use modyn_runtime::{ContactSurface, StepSettings};
@@ -117,7 +117,7 @@ struct StepArguments {
 impl StepArguments {
     fn input(&self) -> StepInput<'_, Expr> {
         let Self { q, qd, dt, tau, warm_start, .. } = self;
-        StepInput { q, qd, tau, warm_start, dt: *dt }
+        StepInput { step: TimeStepInput { q, qd, tau, dt: *dt }, warm_start }
     }
 }
 
@@ -226,7 +226,8 @@ impl Tracer<'_> {
             let problem = StepProblem::new(model, elimination, input, constraints, &mut workspace);
             let motion = problem.damped_by(&arguments.dampers).refined();
             let ends = [Expr::zero(), Expr::zero()];
-            let [next_q, next_qd] = next_state(model, &soft, input, [&motion.qdd, &motion.damped]);
+            let [next_q, next_qd] =
+                next_state(model, &soft, input.step, [&motion.qdd, &motion.damped]);
             let state = [&next_q, &next_qd, &arguments.next_act, &motion.qdd].map(Vec::as_slice);
             [&state[..], &[motion.forces.as_flattened(), &ends]].concat().concat()
         })
@@ -258,15 +259,10 @@ impl PackedRobot<'_> {
         let packing = limbs.touching(soft);
         let merged = limbs.merged(&soft.mechanism(model), whole.gravity);
         let elimination = Elimination::Recursive(limbs.partition(partition));
-        let [qd, tau, warm_start] =
-            [given.input.qd, given.input.tau, given.input.warm_start].map(|x| limbs.vector(x));
-        let input = StepInput {
-            q: &limbs.coordinates(given.input.q),
-            qd: &qd,
-            tau: &tau,
-            warm_start: &warm_start,
-            dt: given.input.dt,
-        };
+        let StepInput { step, warm_start } = given.input;
+        let [qd, tau, warm_start] = [step.qd, step.tau, warm_start].map(|x| limbs.vector(x));
+        let step = TimeStepInput { q: &limbs.coordinates(step.q), qd: &qd, tau: &tau, dt: step.dt };
+        let input = StepInput { step, warm_start: &warm_start };
         let (common, surfaces) = given.settings.split_at(StepSettings::<Expr>::COUNT);
         let settings = settings_of(&[common, &packing.surfaces(surfaces)].concat());
         let merged_soft = self.soft_model(soft, &packing);
@@ -486,7 +482,7 @@ impl Parts {
         let (qdd, rest) = numbers.split_at(model.nv);
         let (damped, forces) = rest.split_at(model.nv);
         let model = &soft.map(Expr::from_f64).mechanism(model);
-        let [next_q, next_qd] = next_state(model, soft, arguments.input(), [qdd, damped]);
+        let [next_q, next_qd] = next_state(model, soft, arguments.input().step, [qdd, damped]);
         self.part(begin, [&next_q, &next_qd, &arguments.next_act, qdd, forces].concat())
     }
 

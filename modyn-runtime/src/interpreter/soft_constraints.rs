@@ -60,7 +60,7 @@ impl<S: Scalar> Interpreter<S> {
         settings: &StepSettings<S, impl AsRef<[ContactSurface<S>]>>,
         outputs: StepSolutionOutputs<'_, S>,
     ) -> Result<(), ShapeError> {
-        let dampers = DampingMatrix::zero(input.qd.len());
+        let dampers = DampingMatrix::zero(input.step.qd.len());
         self.damped_step(input, &dampers, settings, outputs)
     }
 
@@ -98,13 +98,11 @@ impl<S: Scalar> Interpreter<S> {
         settings: &StepSettings<S, impl AsRef<[ContactSurface<S>]>>,
         outputs: StepSolutionOutputs<'_, S>,
     ) -> Result<(), ShapeError> {
+        self.check_forward_input(input.step.forward_input())?;
+        self.check_vectors(&[("warm_start", input.warm_start)])?;
         let Self { model, soft, mechanism, elimination, workspace, .. } = self;
         let soft = soft.get_or_insert_with(|| SoftModel::of(model).map(S::from_f64));
         let points: usize = soft.contacts.iter().map(|contact| contact.shape.points()).sum();
-        check("q", input.q, model.nq())?;
-        check("qd", input.qd, model.nv())?;
-        check("tau", input.tau, model.nv())?;
-        check("warm_start", input.warm_start, model.nv())?;
         check("step_settings.contacts", settings.contacts.as_ref(), soft.contacts.len())?;
         check("outputs.q", outputs.q, model.nq())?;
         check("outputs.qd", outputs.qd, model.nv())?;
@@ -118,7 +116,7 @@ impl<S: Scalar> Interpreter<S> {
         let problem =
             StepProblem::new(mechanism, elimination, input, (&*soft, settings), workspace);
         let SoftStep { motion, residual, iterations } = soft_step(problem.damped_by(dampers));
-        let [q, qd] = next_state(mechanism, soft, input, [&motion.qdd, &motion.damped]);
+        let [q, qd] = next_state(mechanism, soft, input.step, [&motion.qdd, &motion.damped]);
         outputs.q.copy_from_slice(&q);
         outputs.qd.copy_from_slice(&qd);
         outputs.qdd.copy_from_slice(&motion.qdd);

@@ -5,6 +5,7 @@ use alloc::{vec, vec::Vec};
 use super::damping::DampingMatrix;
 use super::input::StepInput;
 use crate::Scalar;
+use crate::equations::TimeStepInput;
 use crate::equations::actuation::{ActuationWorkspace, ActuatorInput, ActuatorOutputs, actuate};
 use crate::mechanism::Mechanism;
 use crate::model::Model;
@@ -59,6 +60,7 @@ impl<'a, S: Scalar> ActuatedInput<'a, S> {
         'a: 'b,
     {
         let ActuatorInput { q, qd, dt, .. } = self.actuators;
-        StepInput { q, qd, tau, warm_start: self.warm_start, dt }
+        let step = TimeStepInput { q, qd, tau, dt };
+        StepInput { step, warm_start: self.warm_start }
     }
 }

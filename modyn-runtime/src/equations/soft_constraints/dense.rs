@@ -3,12 +3,11 @@
 
 use alloc::{vec, vec::Vec};
 
-use super::input::StepInput;
 use super::responses::{Effect, ImplicitDampers};
 use crate::Scalar;
 use crate::equations::dynamics::{inverse_dynamics, mass_matrix};
 use crate::equations::factorization::{UduLayout, factorize_matrix, solve};
-use crate::equations::{State, Workspace};
+use crate::equations::{State, TimeStepInput, Workspace};
 use crate::mechanism::Mechanism;
 
 /// The matrices of a step.
@@ -25,10 +24,10 @@ impl<S: Scalar> DenseProblem<S> {
     /// Returns the matrices without rows. The workspace is used.
     pub fn new(
         model: &Mechanism<S>,
-        input: StepInput<'_, S>,
+        input: TimeStepInput<'_, S>,
         workspace: &mut Workspace<S>,
     ) -> Self {
-        let StepInput { q, qd, tau, .. } = input;
+        let TimeStepInput { q, qd, tau, .. } = input;
         let mut forces = vec![S::zero(); model.nv];
         inverse_dynamics(model, State { q, qd }, None, None, workspace, &mut forces);
         for (force, &tau) in forces.iter_mut().zip(tau) {

@@ -11,9 +11,9 @@
 
 use alloc::{vec, vec::Vec};
 
-use super::input::StepInput;
 use super::rows::SoftModel;
 use crate::Scalar;
+use crate::equations::TimeStepInput;
 use crate::mechanism::Mechanism;
 use crate::mechanism::coordinates::CoordinateSpace;
 use crate::spatial::{Matrix3, Vector3};
@@ -22,7 +22,7 @@ use crate::spatial::{Matrix3, Vector3};
 pub(super) fn move_free_bodies<S: Scalar>(
     model: &Mechanism<S>,
     soft: &SoftModel<impl Copy>,
-    input: StepInput<'_, S>,
+    input: TimeStepInput<'_, S>,
     qdd: &[S],
     damped: &mut [S],
 ) {

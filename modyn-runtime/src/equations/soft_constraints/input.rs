@@ -1,16 +1,12 @@
 //! The input of a step with soft constraints.
 
-/// The state of a robot, its joint forces, and the time of a step.
+use crate::equations::TimeStepInput;
+
+/// The input of a time step, and the start of the solver.
 #[derive(Clone, Copy, Debug)]
 pub struct StepInput<'a, S> {
-    /// The coordinates.
-    pub q: &'a [S],
-    /// The velocities.
-    pub qd: &'a [S],
-    /// The joint forces, N m or N.
-    pub tau: &'a [S],
+    /// The state of the robot, its joint forces, and the time of the step.
+    pub step: TimeStepInput<'a, S>,
     /// The accelerations from which the solver starts: zeros, or the accelerations of the last step.
     pub warm_start: &'a [S],
-    /// The time, s.
-    pub dt: S,
 }

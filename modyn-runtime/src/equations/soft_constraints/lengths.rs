@@ -2,9 +2,9 @@
 
 use alloc::vec::Vec;
 
-use super::input::StepInput;
 use super::stops::StopParameters;
 use crate::Scalar;
+use crate::equations::TimeStepInput;
 use crate::model::Softness;
 
 /// A sum of joint coordinates with factors.
@@ -82,7 +82,7 @@ pub(super) struct LengthState<S> {
 
 impl<S: Scalar> Length<S> {
     /// Returns the length at a state.
-    pub(super) fn at(&self, input: StepInput<'_, S>) -> LengthState<S> {
+    pub(super) fn at(&self, input: TimeStepInput<'_, S>) -> LengthState<S> {
         let entries = self.entries();
         let length = self
             .terms
@@ -107,7 +107,7 @@ fn rate<S: Scalar>(entries: &[RowEntry<S>], qd: &[S]) -> S {
 
 impl<S: Scalar> TendonParameters<S> {
     /// Adds the joint forces of the spring and of the damper.
-    pub(super) fn add_passive_forces(&self, input: StepInput<'_, S>, tau: &mut [S]) {
+    pub(super) fn add_passive_forces(&self, input: TimeStepInput<'_, S>, tau: &mut [S]) {
         let zero = S::zero();
         let LengthState { length, rate, entries } = self.length.at(input);
         let spring = self.spring.map(|SpringParameters { stiffness, rest: [low, high] }| {
@@ -126,7 +126,7 @@ impl<S: Scalar> TendonParameters<S> {
 
 impl<S: Scalar> CouplingParameters<S> {
     /// Returns the difference between the first length and the polynomial of the second one.
-    pub(super) fn at(&self, input: StepInput<'_, S>) -> LengthState<S> {
+    pub(super) fn at(&self, input: TimeStepInput<'_, S>) -> LengthState<S> {
         let [first, second] = self.lengths.each_ref().map(|length| length.at(input));
         let [c0, c1, c2, c3, c4] = self.polynomial;
         let x = second.length;

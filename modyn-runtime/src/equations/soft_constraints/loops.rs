@@ -3,12 +3,11 @@
 
 use alloc::vec::Vec;
 
-use super::input::StepInput;
 use super::law::{RowState, SoftRow};
 use super::rows::LoopParameters;
 use crate::Scalar;
-use crate::equations::State;
 use crate::equations::kinematics::kinematic_path::{self, OriginMotion};
+use crate::equations::{State, TimeStepInput};
 use crate::mechanism::{BodyFrame, ConstrainedFrames, ConstraintRow, Mechanism};
 use crate::scalar::at_least;
 use crate::spatial::{Matrix3, Pose, Twist, Vector3};
@@ -53,7 +52,7 @@ impl<S: Scalar> LoopRows<S> {
         model: &Mechanism<S>,
         constraint: &ConstrainedFrames<S>,
         parameters: &LoopParameters<S>,
-        input: StepInput<'_, S>,
+        input: TimeStepInput<'_, S>,
         poses: &[Pose<S>],
     ) -> Self {
         let pose = |end: &BodyFrame<S>| match end.body {

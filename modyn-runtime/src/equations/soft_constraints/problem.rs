@@ -11,11 +11,11 @@ use super::loops::LoopRows;
 use super::responses::{Effect, ImplicitDampers, Laws};
 use super::rows::{BodyState, ContactOptions, ContactRows, SoftModel, body_twists, softness};
 use super::single_rows::{SingleRow, single_rows};
-use crate::equations::Workspace;
 use crate::equations::dynamics::newton_euler::{Accelerations, link_wrenches};
 use crate::equations::dynamics::{Elimination, add_free_fall, against_fall, is_base};
 use crate::equations::kinematics::coordinates;
 use crate::equations::kinematics::links::compute_body_poses;
+use crate::equations::{TimeStepInput, Workspace};
 use crate::mechanism::{BodyTree, Mechanism};
 use crate::scalar::at_most;
 use crate::spatial::{Matrix3, Pose, Vector3, Wrench};
@@ -38,10 +38,10 @@ pub struct SoftMotion<S> {
 pub fn next_state<S: Scalar>(
     model: &Mechanism<S>,
     soft: &SoftModel<impl Copy>,
-    input: StepInput<'_, S>,
+    input: TimeStepInput<'_, S>,
     [qdd, damped]: [&[S]; 2],
 ) -> [Vec<S>; 2] {
-    let StepInput { q, qd, dt, .. } = input;
+    let TimeStepInput { q, qd, dt, .. } = input;
     let mut rates = damped.to_vec();
     move_free_bodies(model, soft, input, qdd, &mut rates);
     // The velocities of a floating joint are in axes that rotate, and straight motion keeps them in the world.
@@ -114,15 +114,15 @@ impl<'a, S: Scalar, T: BodyTree<S>> StepProblem<'a, S, T> {
     ) -> Self {
         let model = tree.mechanism();
         let surfaces = settings.contacts.as_ref();
-        let StepInput { q, qd, dt, .. } = input;
-        let mut tau = input.tau.to_vec();
-        soft.tendons.iter().for_each(|tendon| tendon.add_passive_forces(input, &mut tau));
+        let step = input.step;
+        let TimeStepInput { q, qd, dt, .. } = step;
+        let mut tau = step.tau.to_vec();
+        soft.tendons.iter().for_each(|tendon| tendon.add_passive_forces(step, &mut tau));
         elimination.reserve(model, workspace);
         let dense = match elimination {
             Elimination::Recursive(_) => None,
             Elimination::Matrix(_) => {
-                let input = StepInput { tau: &tau, ..input };
-                Some(DenseProblem::new(model, input, workspace))
+                Some(DenseProblem::new(model, TimeStepInput { tau: &tau, ..step }, workspace))
             }
         };
         workspace.move_with_forces(tree, q, Some(qd));
@@ -164,11 +164,11 @@ impl<'a, S: Scalar, T: BodyTree<S>> StepProblem<'a, S, T> {
                 *reference = *reference - turned;
             }
         }
-        let single_rows = single_rows(soft, input);
+        let single_rows = single_rows(soft, step);
         body_twists(tree, &fall, workspace);
         let constraints = model.constraints.iter().zip(&soft.loops);
         let loops = constraints.map(|(constraint, parameters)| {
-            let rows = LoopRows::new(model, constraint, parameters, input, &poses);
+            let rows = LoopRows::new(model, constraint, parameters, step, &poses);
             rows.relative_to_fall(&workspace.twists)
         });
         let loops: Vec<LoopRows<S>> = loops.collect();
@@ -375,7 +375,7 @@ impl<'a, S: Scalar, T: BodyTree<S>> StepProblem<'a, S, T> {
                 forces.iter().for_each(|&(dof, force)| tau[dof] = tau[dof] + force);
             }
         }
-        let qd = self.input.qd;
+        let qd = self.input.step.qd;
         against_fall(*tree, partition, qd, &tau, workspace, &mut self.accelerations);
         body_twists(*tree, &self.accelerations, workspace);
         workspace.added_inertia.fill(None);
@@ -386,9 +386,9 @@ impl<'a, S: Scalar, T: BodyTree<S>> StepProblem<'a, S, T> {
     /// to free fall, and the linear velocity of a floating joint is damped in the world, in which the
     /// axes of its entries rotate.
     fn implicit_dampers(&self) -> ImplicitDampers<S> {
-        let turning = turning(self.tree.mechanism(), self.input.qd);
+        let turning = turning(self.tree.mechanism(), self.input.step.qd);
         let rates = self.fall.iter().zip(turning).map(|(&fall, turning)| fall + turning);
-        let armature = self.damping.scaled(self.input.dt);
+        let armature = self.damping.scaled(self.input.step.dt);
         let resistance = armature.times(&rates.collect::<Vec<S>>());
         let damped = (0..resistance.len()).filter(|&dof| armature.diagonal[dof].is_some());
         let forces = damped.map(|dof| (dof, -resistance[dof])).collect();

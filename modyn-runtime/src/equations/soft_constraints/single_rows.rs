@@ -3,12 +3,12 @@
 
 use alloc::{vec, vec::Vec};
 
-use super::input::StepInput;
 use super::law::RowState;
 use super::lengths::{CouplingParameters, LengthState, RowEntry};
 use super::rows::SoftModel;
 use super::stops::StopParameters;
 use crate::Scalar;
+use crate::equations::TimeStepInput;
 use crate::scalar::{at_least, at_most};
 
 /// A row along joint coordinates at a state.
@@ -37,7 +37,7 @@ enum RowKind<S> {
 /// Returns the rows of joints with one degree of freedom, of tendons and of couplings.
 pub(super) fn single_rows<S: Scalar>(
     soft: &SoftModel<S>,
-    input: StepInput<'_, S>,
+    input: TimeStepInput<'_, S>,
 ) -> Vec<SingleRow<S>> {
     let mut rows = Vec::new();
     for (dof, parameters) in soft.joints.iter().enumerate() {
@@ -103,7 +103,7 @@ fn stop_rows<S: Scalar>(
 /// Returns the row of a coupling.
 fn coupling_row<S: Scalar>(
     coupling: &CouplingParameters<S>,
-    input: StepInput<'_, S>,
+    input: TimeStepInput<'_, S>,
 ) -> SingleRow<S> {
     let state = coupling.at(input);
     let state_of_row =

@@ -52,8 +52,7 @@ impl<S: Scalar> Given<'_, S> {
     }
 
     pub fn step_input(&self) -> StepInput<'_, S> {
-        let TimeStepInput { q, qd, tau, dt } = self.time_step();
-        StepInput { q, qd, tau, warm_start: &self[WARM_START], dt }
+        StepInput { step: self.time_step(), warm_start: &self[WARM_START] }
     }
 
     pub fn actuator_input(&self) -> ActuatorInput<'_, S> {
