@@ -10,7 +10,7 @@ use given::{Given, parts};
 use super::arguments::{
     COSTATE, COTANGENT, DQ, DQD, DQDD, DTAU, FROM, Q, QD, QDD, TAU, TO, UNIFORMS, V,
 };
-use super::function::Function as F;
+use super::function::Function;
 use super::shape::{Shape, Sizes};
 use crate::Scalar;
 use crate::equations::Forces;
@@ -26,7 +26,8 @@ impl<S: Scalar> Interpreter<S> {
     /// description; other functions ignore it. A function of many states is computed for one.
     ///
     /// A set of active contacts is a number for each contact, 1 or 0. The settings of constraints
-    /// are [`ConstraintSettings::numbers`], then [`ContactTarget::numbers`] for each contact.
+    /// are [`ConstraintSettings::numbers`](crate::ConstraintSettings::numbers), then
+    /// [`ContactTarget::numbers`](crate::ContactTarget::numbers) for each contact.
     /// Allocates memory at each call.
     ///
     /// ```
@@ -49,7 +50,7 @@ impl<S: Scalar> Interpreter<S> {
     /// [moves none](Self::joint_without_inertia).
     pub fn evaluate(
         &mut self,
-        function: F,
+        function: Function,
         arguments: &[&[S]],
         link: usize,
         result: &mut [S],
@@ -87,11 +88,13 @@ impl<S: Scalar> Interpreter<S> {
 /// Computes a function from numbers of the right lengths; a function of many states for one of them.
 fn compute<S: Scalar>(
     robot: &mut Interpreter<S>,
-    function: F,
+    function: Function,
     given: &Given<'_, S>,
     shape: &Shape,
     out: &mut [S],
 ) -> Result<(), FrameError> {
+    use Function as F;
+
     let link = given.link;
     match function {
         F::ForwardDynamics | F::ForwardDynamicsBatch => {
