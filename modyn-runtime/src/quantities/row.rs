@@ -12,6 +12,8 @@ pub struct Row {
     pub function: Function,
     /// The function's name.
     pub name: &'static str,
+    /// What other libraries and textbooks call the function.
+    pub known_as: &'static [&'static str],
     /// The arguments.
     pub arguments: &'static [Argument],
     /// Whether the function is one of a link, which is then its last argument.
@@ -53,6 +55,7 @@ impl Row {
     pub(super) const GEOMETRIC: Self = Self {
         function: Function::ForwardDynamics,
         name: "",
+        known_as: &[],
         arguments: &[],
         by_link: false,
         result: shapes::scalar,

@@ -21,6 +21,7 @@ pub const ROWS: &[Row] = &[
     Row {
         function: Function::ForwardDynamics,
         name: "forward_dynamics",
+        known_as: &["ABA", "articulated-body algorithm", "pin.aba"],
         arguments: &[Q, QD, TAU],
         result: shapes::velocities,
         result_name: Some("qdd"),
@@ -38,6 +39,7 @@ pub const ROWS: &[Row] = &[
     Row {
         function: Function::InverseDynamics,
         name: "inverse_dynamics",
+        known_as: &["RNEA", "recursive Newton-Euler algorithm", "pin.rnea", "mj_rne"],
         arguments: &[Q, QD, QDD],
         result: shapes::velocities,
         result_name: Some("tau"),
@@ -53,6 +55,7 @@ pub const ROWS: &[Row] = &[
     Row {
         function: Function::BiasForces,
         name: "bias_forces",
+        known_as: &["nonlinear effects", "pin.nonLinearEffects", "qfrc_bias"],
         arguments: &[Q, QD],
         result: shapes::velocities,
         docs: "Returns the bias forces (N m or N): inverse dynamics at zero acceleration. They are \
@@ -68,6 +71,7 @@ pub const ROWS: &[Row] = &[
     Row {
         function: Function::GravityTorques,
         name: "gravity_torques",
+        known_as: &["gravity compensation", "pin.computeGeneralizedGravity"],
         arguments: &[Q],
         result: shapes::velocities,
         docs: "Returns the joint forces (N m or N) that balance gravity and springs at `q` and \
@@ -80,6 +84,7 @@ pub const ROWS: &[Row] = &[
     Row {
         function: Function::MassMatrix,
         name: "mass_matrix",
+        known_as: &["CRBA", "joint-space inertia matrix", "pin.crba", "mj_fullM"],
         arguments: &[Q],
         result: shapes::square,
         docs: "Returns the mass matrix at `q`, nv x nv, an array of columns.",
@@ -92,6 +97,7 @@ pub const ROWS: &[Row] = &[
     Row {
         function: Function::CoriolisMatrix,
         name: "coriolis_matrix",
+        known_as: &["pin.computeCoriolisMatrix"],
         arguments: &[Q, QD],
         result: shapes::square,
         docs: "Returns the Coriolis matrix C, nv x nv, an array of columns. C `qd` are the \
@@ -103,6 +109,11 @@ pub const ROWS: &[Row] = &[
     Row {
         function: Function::Brge,
         name: "brge",
+        known_as: &[
+            "Cholesky decomposition of the mass matrix",
+            "pin.cholesky.decompose",
+            "mj_factorM",
+        ],
         arguments: &[Q],
         result: shapes::factors,
         docs: "Returns the factorization U D U^T of the mass matrix at `q` by kinematic modules, \
@@ -115,6 +126,7 @@ pub const ROWS: &[Row] = &[
     Row {
         function: Function::KineticEnergy,
         name: "kinetic_energy",
+        known_as: &["pin.computeKineticEnergy"],
         arguments: &[Q, QD],
         result: shapes::scalar,
         docs: "Returns the kinetic energy of the moving links and the rotors, J.",
@@ -126,6 +138,7 @@ pub const ROWS: &[Row] = &[
     Row {
         function: Function::PotentialEnergy,
         name: "potential_energy",
+        known_as: &["pin.computePotentialEnergy"],
         arguments: &[Q],
         result: shapes::scalar,
         docs: "Returns the potential energy of the moving links under gravity and of the springs, \
@@ -211,6 +224,7 @@ pub const ROWS: &[Row] = &[
     Row {
         function: Function::InverseDynamicsDerivatives,
         name: "inverse_dynamics_derivatives",
+        known_as: &["pin.computeRNEADerivatives"],
         arguments: &[Q, QD, QDD],
         result: shapes::inverse_derivatives,
         result_name: Some("derivatives"),
@@ -224,6 +238,7 @@ pub const ROWS: &[Row] = &[
     Row {
         function: Function::ForwardDynamicsDerivatives,
         name: "forward_dynamics_derivatives",
+        known_as: &["pin.computeABADerivatives"],
         arguments: &[Q, QD, TAU],
         result: shapes::forward_derivatives,
         result_name: Some("derivatives"),
@@ -386,6 +401,7 @@ pub const ROWS: &[Row] = &[
     Row {
         function: Function::ConstrainedForwardDynamics,
         name: "constrained_forward_dynamics",
+        known_as: &["contact dynamics", "pin.constraintDynamics"],
         arguments: &[Q, QD, TAU, CONTACTS, SETTINGS],
         result: shapes::constrained,
         docs: "Returns the joint accelerations under the joint forces `tau` with the loops closed \
@@ -437,6 +453,7 @@ pub const ROWS: &[Row] = &[
     Row {
         function: Function::ConstrainedForwardDynamicsDerivatives,
         name: "constrained_forward_dynamics_derivatives",
+        known_as: &["pin.computeConstraintDynamicsDerivatives"],
         arguments: &[Q, QD, TAU, CONTACTS, SETTINGS],
         result: shapes::constrained_derivatives,
         docs: "Returns the accelerations and the wrenches of `constrained_forward_dynamics`, and \
@@ -468,6 +485,7 @@ pub const ROWS: &[Row] = &[
     Row {
         function: Function::ContactImpulse,
         name: "contact_impulse",
+        known_as: &["impact dynamics", "pin.impulseDynamics"],
         arguments: &[Q, QD, CONTACTS, SETTINGS],
         result: shapes::contact_impulse,
         docs: "Returns the velocities after an impact that closes the loops and stops the active \
@@ -483,6 +501,7 @@ pub const ROWS: &[Row] = &[
     Row {
         function: Function::Step,
         name: "step",
+        known_as: &["mj_step"],
         arguments: &[Q, QD, TAU, DT, WARM_START, STEP_SETTINGS],
         result: shapes::step_solution,
         docs: "Returns the state after a step of the time `dt` (s) under the joint forces `tau`, \
@@ -500,6 +519,7 @@ pub const ROWS: &[Row] = &[
     Row {
         function: Function::Actuate,
         name: "actuate",
+        known_as: &["mj_fwdActuation"],
         arguments: &[Q, QD, CTRL, DT, ACT],
         result: shapes::actuator_forces,
         result_name: Some("forces"),
@@ -516,6 +536,7 @@ pub const ROWS: &[Row] = &[
     Row {
         function: Function::StepActuated,
         name: "step_actuated",
+        known_as: &["mj_step"],
         arguments: &[Q, QD, CTRL, DT, ACT, APPLIED, WARM_START, STEP_SETTINGS],
         result: shapes::actuated_step,
         docs: "Returns the state and the activations after a step of the time `dt` (s) under the \
@@ -574,6 +595,7 @@ pub const ROWS: &[Row] = &[
     Row {
         function: Function::OperationalInertia,
         name: "operational_inertia",
+        known_as: &["operational-space inertia", "Delassus matrix"],
         arguments: &[Q, CONTACTS, SETTINGS],
         result: shapes::operational_inertia,
         docs: "Returns the operational-space inertia of the constraints, its inverse J M^-1 J^T \
@@ -589,6 +611,7 @@ pub const ROWS: &[Row] = &[
     Row {
         function: Function::Regressor,
         name: "regressor",
+        known_as: &["pin.computeJointTorqueRegressor"],
         arguments: &[Q, QD, QDD],
         result: shapes::regressor,
         docs: "Returns the regressor Y of inverse dynamics, an array of columns: tau = Y pi, \
@@ -603,6 +626,7 @@ pub const ROWS: &[Row] = &[
     Row {
         function: Function::CenterOfMass,
         name: "center_of_mass",
+        known_as: &["pin.centerOfMass", "subtree_com"],
         arguments: &[Q],
         result: shapes::point,
         result_name: Some("position"),
@@ -614,6 +638,7 @@ pub const ROWS: &[Row] = &[
     Row {
         function: Function::CenterOfMassJacobian,
         name: "center_of_mass_jacobian",
+        known_as: &["pin.jacobianCenterOfMass", "mj_jacSubtreeCom"],
         arguments: &[Q],
         result: shapes::vectors3,
         result_name: Some("jacobian"),
@@ -626,6 +651,7 @@ pub const ROWS: &[Row] = &[
     Row {
         function: Function::CentroidalMomentumMatrix,
         name: "centroidal_momentum_matrix",
+        known_as: &["CMM", "pin.ccrba"],
         arguments: &[Q],
         result: shapes::momenta,
         result_name: Some("momentum_matrix"),
@@ -652,6 +678,7 @@ pub const ROWS: &[Row] = &[
     Row {
         function: Function::CentroidalMomentum,
         name: "centroidal_momentum",
+        known_as: &["pin.computeCentroidalMomentum"],
         arguments: &[Q, QD],
         result: shapes::momentum,
         result_name: Some("momentum"),
@@ -664,6 +691,7 @@ pub const ROWS: &[Row] = &[
     Row {
         function: Function::CentroidalMomentumRate,
         name: "centroidal_momentum_rate",
+        known_as: &["pin.computeCentroidalMomentumTimeVariation"],
         arguments: &[Q, QD, QDD],
         result: shapes::momentum,
         result_name: Some("momentum_rate"),
@@ -678,6 +706,7 @@ pub const ROWS: &[Row] = &[
     Row {
         function: Function::CentroidalMomentumDerivatives,
         name: "centroidal_momentum_derivatives",
+        known_as: &["pin.computeCentroidalDynamicsDerivatives"],
         arguments: &[Q, QD, QDD],
         result: shapes::centroidal_derivatives,
         result_name: Some("derivatives"),
@@ -692,6 +721,7 @@ pub const ROWS: &[Row] = &[
     Row {
         function: Function::LinkPoses,
         name: "link_poses",
+        known_as: &["forward kinematics", "pin.framesForwardKinematics", "mj_kinematics"],
         arguments: &[Q],
         result: shapes::poses,
         docs: "Returns the poses in the world of all links of the description, fixed links \
@@ -703,6 +733,7 @@ pub const ROWS: &[Row] = &[
     Row {
         function: Function::LinkPose,
         name: "link_pose",
+        known_as: &["forward kinematics", "pin.updateFramePlacement"],
         arguments: &[Q],
         by_link: true,
         result: shapes::pose,
@@ -715,6 +746,7 @@ pub const ROWS: &[Row] = &[
     Row {
         function: Function::LinkVelocity,
         name: "link_velocity",
+        known_as: &["pin.getFrameVelocity", "mj_objectVelocity"],
         arguments: &[Q, QD],
         by_link: true,
         result: shapes::twist,
@@ -741,6 +773,7 @@ pub const ROWS: &[Row] = &[
     Row {
         function: Function::LinkAcceleration,
         name: "link_acceleration",
+        known_as: &["pin.getFrameAcceleration", "mj_objectAcceleration"],
         arguments: &[Q, QD, QDD],
         by_link: true,
         result: shapes::twist,
@@ -767,6 +800,7 @@ pub const ROWS: &[Row] = &[
     Row {
         function: Function::Jacobian,
         name: "jacobian",
+        known_as: &["geometric Jacobian", "pin.getFrameJacobian", "mj_jacBody"],
         arguments: &[Q],
         by_link: true,
         result: shapes::twists,
@@ -793,6 +827,7 @@ pub const ROWS: &[Row] = &[
     Row {
         function: Function::JacobianTimeDerivative,
         name: "jacobian_time_derivative",
+        known_as: &["pin.getFrameJacobianTimeVariation", "mj_jacDot"],
         arguments: &[Q, QD],
         by_link: true,
         result: shapes::twists,
@@ -815,6 +850,7 @@ pub const ROWS: &[Row] = &[
     Row {
         function: Function::BiasAcceleration,
         name: "bias_acceleration",
+        known_as: &["Jdot qd", "drift acceleration"],
         arguments: &[Q, QD],
         by_link: true,
         result: shapes::twist,
@@ -842,6 +878,7 @@ pub const ROWS: &[Row] = &[
     Row {
         function: Function::Integrate,
         name: "integrate",
+        known_as: &["pin.integrate", "mj_integratePos"],
         arguments: &[Q, V],
         result: shapes::coordinates,
         result_name: Some("q_next"),
@@ -854,6 +891,7 @@ pub const ROWS: &[Row] = &[
     Row {
         function: Function::Difference,
         name: "difference",
+        known_as: &["pin.difference", "mj_differentiatePos"],
         arguments: &[FROM, TO],
         result: shapes::velocities,
         result_name: Some("displacement"),
@@ -867,6 +905,7 @@ pub const ROWS: &[Row] = &[
     Row {
         function: Function::IntegrateDerivatives,
         name: "integrate_derivatives",
+        known_as: &["pin.dIntegrate"],
         arguments: &[Q, V],
         result: shapes::integrate_derivatives,
         docs: "Returns the derivatives of `integrate` with respect to `q` and `v`, each an array \
@@ -877,6 +916,7 @@ pub const ROWS: &[Row] = &[
     Row {
         function: Function::DifferenceDerivatives,
         name: "difference_derivatives",
+        known_as: &["pin.dDifference"],
         arguments: &[FROM, TO],
         result: shapes::difference_derivatives,
         docs: "Returns the derivatives of `difference` with respect to `from` and `to`, each an \
@@ -898,6 +938,7 @@ pub const ROWS: &[Row] = &[
     Row {
         function: Function::Normalize,
         name: "normalize",
+        known_as: &["pin.normalize", "mj_normalizeQuat"],
         arguments: &[Q],
         result: shapes::coordinates,
         result_name: Some("unit_q"),
@@ -909,6 +950,7 @@ pub const ROWS: &[Row] = &[
     Row {
         function: Function::Random,
         name: "random",
+        known_as: &["pin.randomConfiguration"],
         arguments: &[UNIFORMS],
         result: shapes::coordinates,
         docs: "Returns coordinates within the joint limits, from random numbers uniformly \

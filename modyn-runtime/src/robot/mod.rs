@@ -153,6 +153,9 @@ pub trait Robot {
     /// Returns the joint accelerations (rad/s^2 or m/s^2) at the coordinates `q` and velocities `qd` under the
     /// joint forces `tau` (N m or N), gravity included. The method is block reverse Gaussian elimination of the
     /// mass matrix by inter- and intra-modular recursion.
+    #[doc(alias = "ABA")]
+    #[doc(alias = "articulated-body algorithm")]
+    #[doc(alias = "pin.aba")]
     fn forward_dynamics_with<T: Scalar>(
         params: &Self::Params<T>,
         q: &Self::Q<T>,
@@ -166,6 +169,9 @@ pub trait Robot {
     }
 
     /// Calls [`forward_dynamics_with`](Self::forward_dynamics_with) with the default parameters.
+    #[doc(alias = "ABA")]
+    #[doc(alias = "articulated-body algorithm")]
+    #[doc(alias = "pin.aba")]
     fn forward_dynamics<T: Scalar>(q: &Self::Q<T>, qd: &Self::V<T>, tau: &Self::V<T>) -> Self::V<T>
     where
         Self: functions::ForwardDynamics,
@@ -175,6 +181,10 @@ pub trait Robot {
 
     /// Returns the joint forces (N m or N) of the accelerations `qdd` at the coordinates `q` and velocities
     /// `qd`, gravity included, by the recursive Newton-Euler algorithm.
+    #[doc(alias = "RNEA")]
+    #[doc(alias = "recursive Newton-Euler algorithm")]
+    #[doc(alias = "pin.rnea")]
+    #[doc(alias = "mj_rne")]
     fn inverse_dynamics_with<T: Scalar>(
         params: &Self::Params<T>,
         q: &Self::Q<T>,
@@ -188,6 +198,10 @@ pub trait Robot {
     }
 
     /// Calls [`inverse_dynamics_with`](Self::inverse_dynamics_with) with the default parameters.
+    #[doc(alias = "RNEA")]
+    #[doc(alias = "recursive Newton-Euler algorithm")]
+    #[doc(alias = "pin.rnea")]
+    #[doc(alias = "mj_rne")]
     fn inverse_dynamics<T: Scalar>(q: &Self::Q<T>, qd: &Self::V<T>, qdd: &Self::V<T>) -> Self::V<T>
     where
         Self: functions::InverseDynamics,
@@ -197,6 +211,9 @@ pub trait Robot {
 
     /// Returns the bias forces (N m or N): inverse dynamics at zero acceleration. They are the Coriolis,
     /// centrifugal and gravity forces and those of springs, with damping and friction if these are enabled.
+    #[doc(alias = "nonlinear effects")]
+    #[doc(alias = "pin.nonLinearEffects")]
+    #[doc(alias = "qfrc_bias")]
     fn bias_forces_with<T: Scalar>(
         params: &Self::Params<T>,
         q: &Self::Q<T>,
@@ -209,6 +226,9 @@ pub trait Robot {
     }
 
     /// Calls [`bias_forces_with`](Self::bias_forces_with) with the default parameters.
+    #[doc(alias = "nonlinear effects")]
+    #[doc(alias = "pin.nonLinearEffects")]
+    #[doc(alias = "qfrc_bias")]
     fn bias_forces<T: Scalar>(q: &Self::Q<T>, qd: &Self::V<T>) -> Self::V<T>
     where
         Self: functions::BiasForces,
@@ -217,6 +237,8 @@ pub trait Robot {
     }
 
     /// Returns the joint forces (N m or N) that balance gravity and springs at `q` and zero velocity.
+    #[doc(alias = "gravity compensation")]
+    #[doc(alias = "pin.computeGeneralizedGravity")]
     fn gravity_torques_with<T: Scalar>(params: &Self::Params<T>, q: &Self::Q<T>) -> Self::V<T>
     where
         Self: functions::GravityTorques,
@@ -225,6 +247,8 @@ pub trait Robot {
     }
 
     /// Calls [`gravity_torques_with`](Self::gravity_torques_with) with the default parameters.
+    #[doc(alias = "gravity compensation")]
+    #[doc(alias = "pin.computeGeneralizedGravity")]
     fn gravity_torques<T: Scalar>(q: &Self::Q<T>) -> Self::V<T>
     where
         Self: functions::GravityTorques,
@@ -233,6 +257,10 @@ pub trait Robot {
     }
 
     /// Returns the mass matrix at `q`, nv x nv, an array of columns.
+    #[doc(alias = "CRBA")]
+    #[doc(alias = "joint-space inertia matrix")]
+    #[doc(alias = "pin.crba")]
+    #[doc(alias = "mj_fullM")]
     fn mass_matrix_with<T: Scalar>(params: &Self::Params<T>, q: &Self::Q<T>) -> Self::M<T>
     where
         Self: functions::MassMatrix,
@@ -241,6 +269,10 @@ pub trait Robot {
     }
 
     /// Calls [`mass_matrix_with`](Self::mass_matrix_with) with the default parameters.
+    #[doc(alias = "CRBA")]
+    #[doc(alias = "joint-space inertia matrix")]
+    #[doc(alias = "pin.crba")]
+    #[doc(alias = "mj_fullM")]
     fn mass_matrix<T: Scalar>(q: &Self::Q<T>) -> Self::M<T>
     where
         Self: functions::MassMatrix,
@@ -250,6 +282,7 @@ pub trait Robot {
 
     /// Returns the Coriolis matrix C, nv x nv, an array of columns. C `qd` are the Coriolis and centrifugal forces,
     /// without gravity, damping and friction, and dM/dt - 2 C is skew with the mass matrix M.
+    #[doc(alias = "pin.computeCoriolisMatrix")]
     fn coriolis_matrix_with<T: Scalar>(
         params: &Self::Params<T>,
         q: &Self::Q<T>,
@@ -262,6 +295,7 @@ pub trait Robot {
     }
 
     /// Calls [`coriolis_matrix_with`](Self::coriolis_matrix_with) with the default parameters.
+    #[doc(alias = "pin.computeCoriolisMatrix")]
     fn coriolis_matrix<T: Scalar>(q: &Self::Q<T>, qd: &Self::V<T>) -> Self::M<T>
     where
         Self: functions::CoriolisMatrix,
@@ -271,6 +305,9 @@ pub trait Robot {
 
     /// Returns the factorization U D U^T of the mass matrix at `q` by kinematic modules, by block reverse
     /// Gaussian elimination.
+    #[doc(alias = "Cholesky decomposition of the mass matrix")]
+    #[doc(alias = "pin.cholesky.decompose")]
+    #[doc(alias = "mj_factorM")]
     fn brge_with<T: Scalar>(params: &Self::Params<T>, q: &Self::Q<T>) -> Self::UduFactorization<T>
     where
         Self: functions::Brge,
@@ -279,6 +316,9 @@ pub trait Robot {
     }
 
     /// Calls [`brge_with`](Self::brge_with) with the default parameters.
+    #[doc(alias = "Cholesky decomposition of the mass matrix")]
+    #[doc(alias = "pin.cholesky.decompose")]
+    #[doc(alias = "mj_factorM")]
     fn brge<T: Scalar>(q: &Self::Q<T>) -> Self::UduFactorization<T>
     where
         Self: functions::Brge,
@@ -287,6 +327,7 @@ pub trait Robot {
     }
 
     /// Returns the kinetic energy of the moving links and the rotors, J.
+    #[doc(alias = "pin.computeKineticEnergy")]
     fn kinetic_energy_with<T: Scalar>(
         params: &Self::Params<T>,
         q: &Self::Q<T>,
@@ -299,6 +340,7 @@ pub trait Robot {
     }
 
     /// Calls [`kinetic_energy_with`](Self::kinetic_energy_with) with the default parameters.
+    #[doc(alias = "pin.computeKineticEnergy")]
     fn kinetic_energy<T: Scalar>(q: &Self::Q<T>, qd: &Self::V<T>) -> T
     where
         Self: functions::KineticEnergy,
@@ -308,6 +350,7 @@ pub trait Robot {
 
     /// Returns the potential energy of the moving links under gravity and of the springs, J; zero for mass at the world's
     /// origin and springs at rest.
+    #[doc(alias = "pin.computePotentialEnergy")]
     fn potential_energy_with<T: Scalar>(params: &Self::Params<T>, q: &Self::Q<T>) -> T
     where
         Self: functions::PotentialEnergy,
@@ -316,6 +359,7 @@ pub trait Robot {
     }
 
     /// Calls [`potential_energy_with`](Self::potential_energy_with) with the default parameters.
+    #[doc(alias = "pin.computePotentialEnergy")]
     fn potential_energy<T: Scalar>(q: &Self::Q<T>) -> T
     where
         Self: functions::PotentialEnergy,
@@ -475,6 +519,7 @@ pub trait Robot {
 
     /// Returns the derivatives of inverse dynamics with respect to `q` (in tangent space) and `qd`, each an
     /// array of columns. The derivative with respect to `qdd` is the mass matrix.
+    #[doc(alias = "pin.computeRNEADerivatives")]
     fn inverse_dynamics_derivatives_with<T: Scalar>(
         params: &Self::Params<T>,
         q: &Self::Q<T>,
@@ -488,6 +533,7 @@ pub trait Robot {
     }
 
     /// Calls [`inverse_dynamics_derivatives_with`](Self::inverse_dynamics_derivatives_with) with the default parameters.
+    #[doc(alias = "pin.computeRNEADerivatives")]
     fn inverse_dynamics_derivatives<T: Scalar>(
         q: &Self::Q<T>,
         qd: &Self::V<T>,
@@ -501,6 +547,7 @@ pub trait Robot {
 
     /// Returns the joint accelerations, and the derivatives of forward dynamics with respect to `q` (in tangent
     /// space), `qd` and `tau`, each an array of columns.
+    #[doc(alias = "pin.computeABADerivatives")]
     fn forward_dynamics_derivatives_with<T: Scalar>(
         params: &Self::Params<T>,
         q: &Self::Q<T>,
@@ -514,6 +561,7 @@ pub trait Robot {
     }
 
     /// Calls [`forward_dynamics_derivatives_with`](Self::forward_dynamics_derivatives_with) with the default parameters.
+    #[doc(alias = "pin.computeABADerivatives")]
     fn forward_dynamics_derivatives<T: Scalar>(
         q: &Self::Q<T>,
         qd: &Self::V<T>,
@@ -964,6 +1012,8 @@ pub trait Robot {
     /// of `LOOP_CONSTRAINT_NAMES`, at the second frame's origin in the first frame's axes. Contacts follow, in
     /// the order of `CONTACT_NAMES`, at the frame's origin in world axes. Redundant rows get the multipliers of
     /// smallest norm.
+    #[doc(alias = "contact dynamics")]
+    #[doc(alias = "pin.constraintDynamics")]
     fn constrained_forward_dynamics_with<T: Scalar>(
         params: &Self::Params<T>,
         q: &Self::Q<T>,
@@ -984,6 +1034,8 @@ pub trait Robot {
     }
 
     /// Calls [`constrained_forward_dynamics_with`](Self::constrained_forward_dynamics_with) with the default parameters.
+    #[doc(alias = "contact dynamics")]
+    #[doc(alias = "pin.constraintDynamics")]
     fn constrained_forward_dynamics<T: Scalar>(
         q: &Self::Q<T>,
         qd: &Self::V<T>,
@@ -1056,6 +1108,7 @@ pub trait Robot {
     /// respect to `q` (in tangent space), `qd` and `tau`, each an array of columns. The derivatives of wrenches
     /// are arrays for each constraint, in the axes of the wrenches. The rank is assumed constant; redundant
     /// rows get the derivatives of smallest norm.
+    #[doc(alias = "pin.computeConstraintDynamicsDerivatives")]
     fn constrained_forward_dynamics_derivatives_with<T: Scalar>(
         params: &Self::Params<T>,
         q: &Self::Q<T>,
@@ -1077,6 +1130,7 @@ pub trait Robot {
     }
 
     /// Calls [`constrained_forward_dynamics_derivatives_with`](Self::constrained_forward_dynamics_derivatives_with) with the default parameters.
+    #[doc(alias = "pin.computeConstraintDynamicsDerivatives")]
     fn constrained_forward_dynamics_derivatives<T: Scalar>(
         q: &Self::Q<T>,
         qd: &Self::V<T>,
@@ -1153,6 +1207,8 @@ pub trait Robot {
     /// their targets at the same instant, the impulse of each constraint, and the number of independent
     /// constraint rows. Along its normal, a contact leaves with `restitution` times the speed before the
     /// impact. The settings `alpha` and `beta` have no effect.
+    #[doc(alias = "impact dynamics")]
+    #[doc(alias = "pin.impulseDynamics")]
     fn contact_impulse_with<T: Scalar>(
         params: &Self::Params<T>,
         q: &Self::Q<T>,
@@ -1167,6 +1223,8 @@ pub trait Robot {
     }
 
     /// Calls [`contact_impulse_with`](Self::contact_impulse_with) with the default parameters.
+    #[doc(alias = "impact dynamics")]
+    #[doc(alias = "pin.impulseDynamics")]
     fn contact_impulse<T: Scalar>(
         q: &Self::Q<T>,
         qd: &Self::V<T>,
@@ -1184,6 +1242,7 @@ pub trait Robot {
     /// method, to the tolerance of `step_settings`; `residual` says how far it came, relative to the largest force. It
     /// starts from the accelerations `warm_start`: `qdd` of the last step, or zeros. The integrator is semi-implicit Euler,
     /// implicit in joint damping, or MuJoCo's `implicitfast`, as the description says.
+    #[doc(alias = "mj_step")]
     fn step_with<T: Scalar>(
         params: &Self::Params<T>,
         q: &Self::Q<T>,
@@ -1200,6 +1259,7 @@ pub trait Robot {
     }
 
     /// Calls [`step_with`](Self::step_with) with the default parameters.
+    #[doc(alias = "mj_step")]
     fn step<T: Scalar>(
         q: &Self::Q<T>,
         qd: &Self::V<T>,
@@ -1217,6 +1277,7 @@ pub trait Robot {
     /// Returns the joint forces `tau` of the actuators under the controls `ctrl`, in the order of `CONTROL_NAMES`, and the
     /// activations after the time `dt` (s), in the order of `ACTIVATION_NAMES`. The laws are MuJoCo's: controls, forces,
     /// activations and joint forces are clamped to the ranges of the description.
+    #[doc(alias = "mj_fwdActuation")]
     fn actuate<T: Scalar>(
         q: &Self::Q<T>,
         qd: &Self::V<T>,
@@ -1233,6 +1294,7 @@ pub trait Robot {
     /// Returns the state and the activations after a step of the time `dt` (s) under the controls `ctrl`: MuJoCo's `mj_step`. The
     /// joint forces are the result of `actuate` at the state before the step, and the forces `applied` beside it (MuJoCo's
     /// `qfrc_applied`). All else is as in `step`.
+    #[doc(alias = "mj_step")]
     fn step_actuated_with<T: Scalar>(
         params: &Self::Params<T>,
         q: &Self::Q<T>,
@@ -1259,6 +1321,7 @@ pub trait Robot {
     }
 
     /// Calls [`step_actuated_with`](Self::step_actuated_with) with the default parameters.
+    #[doc(alias = "mj_step")]
     fn step_actuated<T: Scalar>(
         q: &Self::Q<T>,
         qd: &Self::V<T>,
@@ -1361,6 +1424,8 @@ pub trait Robot {
     /// and the number of independent constraint rows. Both matrices are arrays of columns; each constraint has
     /// its constrained rotations, then its constrained displacements, of a contact in world axes. The entries
     /// of inactive contacts are zero. The inverse contains the compliance.
+    #[doc(alias = "operational-space inertia")]
+    #[doc(alias = "Delassus matrix")]
     fn operational_inertia_with<T: Scalar>(
         params: &Self::Params<T>,
         q: &Self::Q<T>,
@@ -1374,6 +1439,8 @@ pub trait Robot {
     }
 
     /// Calls [`operational_inertia_with`](Self::operational_inertia_with) with the default parameters.
+    #[doc(alias = "operational-space inertia")]
+    #[doc(alias = "Delassus matrix")]
     fn operational_inertia<T: Scalar>(
         q: &Self::Q<T>,
         contacts: Self::Contacts,
@@ -1388,6 +1455,7 @@ pub trait Robot {
     /// Returns the regressor Y of inverse dynamics, an array of columns: tau = Y pi, without rotors and
     /// friction. pi has ten entries for each moving link: mass, mass times centre of mass x, y, z, and
     /// Ixx, Ixy, Ixz, Iyy, Iyz, Izz about the link's origin in the link's own axes (`PARAMETERS`).
+    #[doc(alias = "pin.computeJointTorqueRegressor")]
     fn regressor_with<T: Scalar>(
         params: &Self::Params<T>,
         q: &Self::Q<T>,
@@ -1401,6 +1469,7 @@ pub trait Robot {
     }
 
     /// Calls [`regressor_with`](Self::regressor_with) with the default parameters.
+    #[doc(alias = "pin.computeJointTorqueRegressor")]
     fn regressor<T: Scalar>(q: &Self::Q<T>, qd: &Self::V<T>, qdd: &Self::V<T>) -> Self::Regressor<T>
     where
         Self: functions::Regressor,
@@ -1409,6 +1478,8 @@ pub trait Robot {
     }
 
     /// Returns the centre of mass of the moving links in world axes, m.
+    #[doc(alias = "pin.centerOfMass")]
+    #[doc(alias = "subtree_com")]
     fn center_of_mass_with<T: Scalar>(params: &Self::Params<T>, q: &Self::Q<T>) -> [T; 3]
     where
         Self: functions::CenterOfMass,
@@ -1417,6 +1488,8 @@ pub trait Robot {
     }
 
     /// Calls [`center_of_mass_with`](Self::center_of_mass_with) with the default parameters.
+    #[doc(alias = "pin.centerOfMass")]
+    #[doc(alias = "subtree_com")]
     fn center_of_mass<T: Scalar>(q: &Self::Q<T>) -> [T; 3]
     where
         Self: functions::CenterOfMass,
@@ -1426,6 +1499,8 @@ pub trait Robot {
 
     /// Returns the Jacobian of the centre of mass, an array of columns. Its product with `qd` is the velocity
     /// of the centre of mass in world axes.
+    #[doc(alias = "pin.jacobianCenterOfMass")]
+    #[doc(alias = "mj_jacSubtreeCom")]
     fn center_of_mass_jacobian_with<T: Scalar>(
         params: &Self::Params<T>,
         q: &Self::Q<T>,
@@ -1437,6 +1512,8 @@ pub trait Robot {
     }
 
     /// Calls [`center_of_mass_jacobian_with`](Self::center_of_mass_jacobian_with) with the default parameters.
+    #[doc(alias = "pin.jacobianCenterOfMass")]
+    #[doc(alias = "mj_jacSubtreeCom")]
     fn center_of_mass_jacobian<T: Scalar>(q: &Self::Q<T>) -> Self::PerVelocity<Vector3<T>>
     where
         Self: functions::CenterOfMassJacobian,
@@ -1446,6 +1523,8 @@ pub trait Robot {
 
     /// Returns the centroidal momentum matrix, an array of columns. Its product with `qd` is the momentum about
     /// the centre of mass, in world axes. Rotors have energy, but no momentum: their axes are not described.
+    #[doc(alias = "CMM")]
+    #[doc(alias = "pin.ccrba")]
     fn centroidal_momentum_matrix_with<T: Scalar>(
         params: &Self::Params<T>,
         q: &Self::Q<T>,
@@ -1457,6 +1536,8 @@ pub trait Robot {
     }
 
     /// Calls [`centroidal_momentum_matrix_with`](Self::centroidal_momentum_matrix_with) with the default parameters.
+    #[doc(alias = "CMM")]
+    #[doc(alias = "pin.ccrba")]
     fn centroidal_momentum_matrix<T: Scalar>(q: &Self::Q<T>) -> Self::PerVelocity<Momentum<T>>
     where
         Self: functions::CentroidalMomentumMatrix,
@@ -1486,6 +1567,7 @@ pub trait Robot {
 
     /// Returns the momentum of the moving links about their centre of mass, in world axes. Rotors have energy, but no
     /// momentum: their axes are not described.
+    #[doc(alias = "pin.computeCentroidalMomentum")]
     fn centroidal_momentum_with<T: Scalar>(
         params: &Self::Params<T>,
         q: &Self::Q<T>,
@@ -1498,6 +1580,7 @@ pub trait Robot {
     }
 
     /// Calls [`centroidal_momentum_with`](Self::centroidal_momentum_with) with the default parameters.
+    #[doc(alias = "pin.computeCentroidalMomentum")]
     fn centroidal_momentum<T: Scalar>(q: &Self::Q<T>, qd: &Self::V<T>) -> Momentum<T>
     where
         Self: functions::CentroidalMomentum,
@@ -1508,6 +1591,7 @@ pub trait Robot {
     /// Returns the time derivative of the centroidal momentum in world axes: the moment (N m) and the force (N) about the
     /// centre of mass of gravity and of all forces from outside. At `qdd` = 0 it is the bias A' qd, with the centroidal
     /// momentum matrix A.
+    #[doc(alias = "pin.computeCentroidalMomentumTimeVariation")]
     fn centroidal_momentum_rate_with<T: Scalar>(
         params: &Self::Params<T>,
         q: &Self::Q<T>,
@@ -1521,6 +1605,7 @@ pub trait Robot {
     }
 
     /// Calls [`centroidal_momentum_rate_with`](Self::centroidal_momentum_rate_with) with the default parameters.
+    #[doc(alias = "pin.computeCentroidalMomentumTimeVariation")]
     fn centroidal_momentum_rate<T: Scalar>(
         q: &Self::Q<T>,
         qd: &Self::V<T>,
@@ -1535,6 +1620,7 @@ pub trait Robot {
     /// Returns the momentum of the moving links about their centre of mass, its time derivative at `qdd` (the rate), and the
     /// derivatives of both with respect to `q` (in tangent space) and `qd`, arrays of columns, in world axes. The derivatives
     /// of the momentum with respect to `qd`, and of the rate with respect to `qdd`, are the centroidal momentum matrix.
+    #[doc(alias = "pin.computeCentroidalDynamicsDerivatives")]
     fn centroidal_momentum_derivatives_with<T: Scalar>(
         params: &Self::Params<T>,
         q: &Self::Q<T>,
@@ -1548,6 +1634,7 @@ pub trait Robot {
     }
 
     /// Calls [`centroidal_momentum_derivatives_with`](Self::centroidal_momentum_derivatives_with) with the default parameters.
+    #[doc(alias = "pin.computeCentroidalDynamicsDerivatives")]
     fn centroidal_momentum_derivatives<T: Scalar>(
         q: &Self::Q<T>,
         qd: &Self::V<T>,
@@ -1561,6 +1648,9 @@ pub trait Robot {
 
     /// Returns the poses in the world of all links of the description, fixed links included, in the order of
     /// `LINK_NAMES`.
+    #[doc(alias = "forward kinematics")]
+    #[doc(alias = "pin.framesForwardKinematics")]
+    #[doc(alias = "mj_kinematics")]
     fn link_poses<T: Scalar>(q: &Self::Q<T>) -> Self::PerLink<Pose<T>>
     where
         Self: functions::LinkPoses,
@@ -1569,6 +1659,8 @@ pub trait Robot {
     }
 
     /// Returns the pose of a link in the world. Computes the link's kinematic path only.
+    #[doc(alias = "forward kinematics")]
+    #[doc(alias = "pin.updateFramePlacement")]
     fn link_pose<T: Scalar>(q: &Self::Q<T>, link: Self::Link) -> Pose<T>
     where
         Self: functions::LinkPose,
@@ -1578,6 +1670,8 @@ pub trait Robot {
 
     /// Returns the velocity of a link's origin (m/s) and its angular velocity (rad/s), in world axes.
     /// Computes the link's kinematic path only.
+    #[doc(alias = "pin.getFrameVelocity")]
+    #[doc(alias = "mj_objectVelocity")]
     fn link_velocity<T: Scalar>(q: &Self::Q<T>, qd: &Self::V<T>, link: Self::Link) -> Twist<T>
     where
         Self: functions::LinkVelocity,
@@ -1596,6 +1690,8 @@ pub trait Robot {
 
     /// Returns the classical acceleration of a link's origin (m/s^2) and its angular acceleration (rad/s^2), in
     /// world axes. Gravity is not included. Computes the link's kinematic path only.
+    #[doc(alias = "pin.getFrameAcceleration")]
+    #[doc(alias = "mj_objectAcceleration")]
     fn link_acceleration<T: Scalar>(
         q: &Self::Q<T>,
         qd: &Self::V<T>,
@@ -1624,6 +1720,9 @@ pub trait Robot {
 
     /// Returns the Jacobian of a link, an array of columns. Its product with `qd` is the velocity of the link
     /// at its origin, in world axes. Computes the link's kinematic path only.
+    #[doc(alias = "geometric Jacobian")]
+    #[doc(alias = "pin.getFrameJacobian")]
+    #[doc(alias = "mj_jacBody")]
     fn jacobian<T: Scalar>(q: &Self::Q<T>, link: Self::Link) -> Self::PerVelocity<Twist<T>>
     where
         Self: functions::Jacobian,
@@ -1642,6 +1741,8 @@ pub trait Robot {
 
     /// Returns the time derivative of `jacobian`, an array of columns. Its product with `qd` is `bias_acceleration`.
     /// Computes the link's kinematic path only.
+    #[doc(alias = "pin.getFrameJacobianTimeVariation")]
+    #[doc(alias = "mj_jacDot")]
     fn jacobian_time_derivative<T: Scalar>(
         q: &Self::Q<T>,
         qd: &Self::V<T>,
@@ -1668,6 +1769,8 @@ pub trait Robot {
 
     /// Returns the bias acceleration of a link in world axes: the time derivative of `jacobian` times `qd`, which
     /// is the link's acceleration at zero joint accelerations. Computes the link's kinematic path only.
+    #[doc(alias = "Jdot qd")]
+    #[doc(alias = "drift acceleration")]
     fn bias_acceleration<T: Scalar>(q: &Self::Q<T>, qd: &Self::V<T>, link: Self::Link) -> Twist<T>
     where
         Self: functions::BiasAcceleration,
@@ -1689,6 +1792,8 @@ pub trait Robot {
     }
 
     /// Returns the coordinates after the displacement `v` (a velocity times a time) from `q`.
+    #[doc(alias = "pin.integrate")]
+    #[doc(alias = "mj_integratePos")]
     fn integrate<T: Scalar>(q: &Self::Q<T>, v: &Self::V<T>) -> Self::Q<T>
     where
         Self: functions::Integrate,
@@ -1698,6 +1803,8 @@ pub trait Robot {
 
     /// Returns the displacement `v` with which `integrate` leads from `from` to `to`. Rotations are the shortest
     /// ones; joint angles are not wrapped.
+    #[doc(alias = "pin.difference")]
+    #[doc(alias = "mj_differentiatePos")]
     fn difference<T: Scalar>(from: &Self::Q<T>, to: &Self::Q<T>) -> Self::V<T>
     where
         Self: functions::Difference,
@@ -1707,6 +1814,7 @@ pub trait Robot {
 
     /// Returns the derivatives of `integrate` with respect to `q` and `v`, each an array of columns in tangent
     /// space: displacements of `q` and of the result are in the axes at each of them.
+    #[doc(alias = "pin.dIntegrate")]
     fn integrate_derivatives<T: Scalar>(
         q: &Self::Q<T>,
         v: &Self::V<T>,
@@ -1719,6 +1827,7 @@ pub trait Robot {
 
     /// Returns the derivatives of `difference` with respect to `from` and `to`, each an array of columns in
     /// tangent space: displacements are in the axes at `from` and at `to`.
+    #[doc(alias = "pin.dDifference")]
     fn difference_derivatives<T: Scalar>(
         from: &Self::Q<T>,
         to: &Self::Q<T>,
@@ -1738,6 +1847,8 @@ pub trait Robot {
     }
 
     /// Returns the coordinates with quaternions scaled to length 1.
+    #[doc(alias = "pin.normalize")]
+    #[doc(alias = "mj_normalizeQuat")]
     fn normalize<T: Scalar>(q: &Self::Q<T>) -> Self::Q<T>
     where
         Self: functions::Normalize,
@@ -1747,6 +1858,7 @@ pub trait Robot {
 
     /// Returns coordinates within the joint limits, from random numbers uniformly distributed in [0, 1). Angles
     /// without limits are in [-pi, pi), displacements without limits in [-1, 1) m, rotations uniform over SO(3).
+    #[doc(alias = "pin.randomConfiguration")]
     fn random<T: Scalar>(uniforms: impl FnMut() -> T) -> Self::Q<T>
     where
         Self: functions::Random,

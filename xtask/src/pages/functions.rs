@@ -7,8 +7,7 @@ use super::data::markdown;
 
 /// Returns the table.
 pub(super) fn table() -> String {
-    let titles =
-        "function | arguments | result | default | needs inertia | `_with` parameters | batch | C";
+    let titles = "function | known as | arguments | result | default | needs inertia | `_with` parameters | batch | C";
     let of_one_state = Function::ALL.iter().filter(|function| function.batched().is_none());
     let rows = of_one_state.map(|function| {
         let row = function.row();
@@ -27,6 +26,7 @@ pub(super) fn table() -> String {
         };
         [
             format!("`{}`", function.name()),
+            row.known_as.iter().map(|name| known(name)).collect::<Vec<String>>().join(", "),
             arguments.join(", "),
             row.docs.replace('\n', " "),
             default.into(),
@@ -37,4 +37,12 @@ pub(super) fn table() -> String {
         ]
     });
     markdown(titles, rows)
+}
+
+/// Returns a name of other libraries or of textbooks: names of code in code.
+fn known(name: &str) -> String {
+    match name.contains(['.', '_']) {
+        true => format!("`{name}`"),
+        false => name.into(),
+    }
 }

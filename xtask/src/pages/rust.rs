@@ -208,8 +208,10 @@ pub(super) fn robot_functions() -> String {
             inputs.push("link: Self::Link".into());
             names.push("link".into());
         }
+        let aliases = row.known_as.iter().map(|name| format!("    #[doc(alias = \"{name}\")]\n"));
+        let aliases: String = aliases.collect();
         let mut method = Method {
-            docs: docs(row.docs),
+            docs: docs(row.docs) + &aliases,
             name: row.name.into(),
             inputs,
             body: "        const { not_generated() }".into(),
@@ -226,7 +228,8 @@ pub(super) fn robot_functions() -> String {
             texts.push(documented.text(&row));
             names.insert(0, "&Self::Params::<T>::default()".into());
             method.docs =
-                docs(&format!("Calls [`{with}`](Self::{with}) with the default parameters."));
+                docs(&format!("Calls [`{with}`](Self::{with}) with the default parameters."))
+                    + &aliases;
             method.body = listed("        ", &format!("Self::{with}("), &names, ")");
         }
         texts.push(method.text(&row));
