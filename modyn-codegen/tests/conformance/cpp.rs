@@ -93,8 +93,7 @@ fn call(robot: &Emitted, call: &Call) -> String {
         passed.push(format!("static_cast<Ours::Link>({link})"));
     }
     let mut text = String::from("Eigen::internal::set_is_malloc_allowed(false);\n        ");
-    let _ =
-        write!(text, "auto r = Ours::{}({});\n        ", call.function, passed.join(", "));
+    let _ = write!(text, "auto r = Ours::{}({});\n        ", call.function, passed.join(", "));
     text += "Eigen::internal::set_is_malloc_allowed(true);\n        \
              *static_cast<decltype(r) *>(x) = r;";
     text
