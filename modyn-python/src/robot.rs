@@ -217,7 +217,9 @@ impl Robot {
             return joint.map_or(Ok(()), |joint| Err(PyValueError::new_err(message(joint))));
         }
         let robots = match function.row().of_actuators {
-            true => "robots with actuators (the option `actuators`, or the `<actuator>` of an MJCF)",
+            true => {
+                "robots with actuators (the option `actuators`, or the `<actuator>` of an MJCF)"
+            }
             false => "robots with closed loops or contacts (the options `loops` and `contacts`)",
         };
         let message = format!("only {robots} have the function `{}`", function.name());
