@@ -46,7 +46,7 @@ int main() {
         const Arm7::Vector<7> tau = controller.torques(q, qd, target);
         in_controller += std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count();
 
-        qd += DT * Arm7::forward_dynamics_external(q, qd, tau, wrenches);
+        qd += DT * Arm7::forward_dynamics_external_local(q, qd, tau, wrenches);
         q = Arm7::integrate(q, DT * qd);
     }
     Eigen::internal::set_is_malloc_allowed(true);

@@ -15,7 +15,7 @@ const FUNCTIONS: [&[Function]; 8] = [
     &[Function::LinkPoses, Function::Jacobian, Function::CentroidalMomentumDerivatives],
     &[Function::Integrate, Function::Difference, Function::Random],
     &[Function::Regressor, Function::KineticEnergy, Function::PotentialEnergy],
-    &[Function::ForwardDynamicsExternal, Function::ForwardDynamicsDerivatives],
+    &[Function::ForwardDynamicsExternalLocal, Function::ForwardDynamicsDerivatives],
 ];
 
 fuzz_target!(|data: &[u8]| {

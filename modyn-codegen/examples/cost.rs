@@ -4,7 +4,7 @@
 //! ```console
 //! cargo run -p modyn-codegen --example cost -- robots/arm7.urdf robots/humanoid.urdf
 //! cargo run -p modyn-codegen --example cost -- tests/golden/g1.urdf forward_dynamics
-//! cargo run -p modyn-codegen --example cost -- tests/golden/solo12.urdf point:FL_FOOT point:HR_FOOT contact_impulse
+//! cargo run -p modyn-codegen --example cost -- tests/golden/solo12.urdf point:FL_FOOT point:HR_FOOT impact_dynamics
 //! ```
 //!
 //! Without names of functions, all are measured. A robot with contacts (points and surfaces of links) has a floating base.

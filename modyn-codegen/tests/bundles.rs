@@ -31,7 +31,7 @@ fn operations(planning: &Planning, planned: &Planned, link: Option<usize>) -> us
 fn control(links: &[&str]) -> Bundle {
     let bundle =
         Bundle::new("control").function(Function::MassMatrix).function(Function::BiasForces);
-    let of_links = [Function::Jacobian, Function::BiasAcceleration, Function::LinkPose];
+    let of_links = [Function::Jacobian, Function::JacobianDotQd, Function::LinkPose];
     let all = links.iter().flat_map(|link| of_links.map(|function| (function, *link)));
     all.fold(bundle, |bundle, (function, link)| bundle.of_link(function, link))
 }
@@ -53,7 +53,7 @@ fn counts(robot_name: &'static str, base: Base, links: &[&str]) -> Counts {
         Function::MassMatrix,
         Function::BiasForces,
         Function::Jacobian,
-        Function::BiasAcceleration,
+        Function::JacobianDotQd,
         Function::LinkPose,
     ];
     let builder = robot(robot_name).base(base).functions(functions).bundles([control(links)]);
@@ -73,7 +73,7 @@ fn counts(robot_name: &'static str, base: Base, links: &[&str]) -> Counts {
     };
     for &link in links {
         let [jacobian, rate, pose] =
-            [Function::Jacobian, Function::BiasAcceleration, Function::LinkPose]
+            [Function::Jacobian, Function::JacobianDotQd, Function::LinkPose]
                 .map(|function| of(function, Some(link)));
         found.sum += jacobian + rate + pose;
         found.poses += pose;
@@ -147,7 +147,11 @@ fn values_with_an_error_are_refused_at_their_place() {
         ("control: (mass_matrix, brge, mass_matrix)", 29, "the field `mass_matrix`; name it once"),
         ("control: (jacobian(a), jacobian(a))", 23, "the field `jacobian_a`; name it once"),
         ("control: (jacobian(\"a.1\"), jacobian(a_1))", 27, "have the same name in snake case"),
-        ("control: batch(mass_matrix, forward_dynamics_external)", 28, "the argument `forces`"),
+        (
+            "control: batch(mass_matrix, forward_dynamics_external_local)",
+            28,
+            "the argument `forces`",
+        ),
         ("control: batch(brge)", 15, "`brge` has no form for many states in a bundle"),
         ("type: (mass_matrix)", 0, "bundle `type`: its name is a keyword; `type_` is not one"),
         ("Control: (mass_matrix)", 0, "its name is not in snake case; `control` is"),
@@ -179,8 +183,8 @@ fn robots_with_an_error_are_refused() {
             ][..],
         ),
         (
-            "control: (contact_impulse)",
-            &["only robots with closed loops or contacts have the function `contact_impulse`"],
+            "control: (impact_dynamics)",
+            &["only robots with closed loops or contacts have the function `impact_dynamics`"],
         ),
         ("a: (mass_matrix), a: (brge)", &["bundle `a`: its name belongs to bundle `a`"]),
         // Their types would have one name.
@@ -254,7 +258,8 @@ fn types_of_the_robot_are_in_the_text() {
     let builder = robot("quadruped").base(Base::Floating).functions([]);
     let contacts = Value::parse("foot: point(\"front_left_foot\")").expect("a value");
     let builder = builder.set("contacts", &contacts).expect("good").type_name("Dog");
-    let bundles = "all: (brge, constrained_forward_dynamics, contact_impulse, operational_inertia)";
+    let bundles =
+        "all: (brge, constrained_forward_dynamics, impact_dynamics, operational_space_inertia)";
     let text = with(builder, bundles).generate().expect("good").text;
     syn::parse_file(&text).expect("Rust");
     for part in [
@@ -272,7 +277,7 @@ fn batches_of_bundles_with_contacts() {
     let builder = robot("quadruped").base(Base::Floating).functions([]);
     let contacts = Value::parse("foot: point(\"front_left_foot\")").expect("a value");
     let builder = builder.set("contacts", &contacts).expect("good").type_name("Dog");
-    let text = with(builder, "feet: batch(contact_impulse, gravity_torques)");
+    let text = with(builder, "feet: batch(impact_dynamics, gravity_torques)");
     let text = text.generate().expect("good").text;
     syn::parse_file(&text).expect("Rust");
     for part in [

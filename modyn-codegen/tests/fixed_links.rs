@@ -10,15 +10,15 @@ use modyn_runtime::spatial::{Pose, Twist};
 const OF_LINKS: [Function; 11] = [
     Function::LinkPose,
     Function::LinkVelocity,
-    Function::LocalLinkVelocity,
+    Function::LinkVelocityLocal,
     Function::LinkAcceleration,
-    Function::LocalLinkAcceleration,
+    Function::LinkAccelerationLocal,
     Function::Jacobian,
-    Function::LocalJacobian,
+    Function::JacobianLocal,
     Function::JacobianTimeDerivative,
-    Function::LocalJacobianTimeDerivative,
-    Function::BiasAcceleration,
-    Function::LocalBiasAcceleration,
+    Function::JacobianTimeDerivativeLocal,
+    Function::JacobianDotQd,
+    Function::JacobianDotQdLocal,
 ];
 
 /// Returns a chain of joints in general position, with these numbers of links fixed to the world and to each moving link.
@@ -92,15 +92,15 @@ fn main_of(scalar: &str) -> String {
          for link in CombLink::ALL {{
              pose(Comb::link_pose(&q, link));
              twist(Comb::link_velocity(&q, &qd, link));
-             twist(Comb::local_link_velocity(&q, &qd, link));
+             twist(Comb::link_velocity_local(&q, &qd, link));
              twist(Comb::link_acceleration(&q, &qd, &qdd, link));
-             twist(Comb::local_link_acceleration(&q, &qd, &qdd, link));
+             twist(Comb::link_acceleration_local(&q, &qd, &qdd, link));
              Comb::jacobian(&q, link).into_iter().for_each(twist);
-             Comb::local_jacobian(&q, link).into_iter().for_each(twist);
+             Comb::jacobian_local(&q, link).into_iter().for_each(twist);
              Comb::jacobian_time_derivative(&q, &qd, link).into_iter().for_each(twist);
-             Comb::local_jacobian_time_derivative(&q, &qd, link).into_iter().for_each(twist);
-             twist(Comb::bias_acceleration(&q, &qd, link));
-             twist(Comb::local_bias_acceleration(&q, &qd, link));
+             Comb::jacobian_time_derivative_local(&q, &qd, link).into_iter().for_each(twist);
+             twist(Comb::jacobian_dot_qd(&q, &qd, link));
+             twist(Comb::jacobian_dot_qd_local(&q, &qd, link));
          }}"
     )
 }
@@ -123,22 +123,22 @@ fn interpreted(urdf: &str) -> Vec<f64> {
         all.extend(pose(&robot.link_pose(&Q, link).expect("fits")));
         all.extend(twists(&[
             robot.link_velocity(&Q, &QD, link).expect("fits"),
-            robot.local_link_velocity(&Q, &QD, link).expect("fits"),
+            robot.link_velocity_local(&Q, &QD, link).expect("fits"),
             robot.link_acceleration(&Q, &QD, &QDD, link).expect("fits"),
-            robot.local_link_acceleration(&Q, &QD, &QDD, link).expect("fits"),
+            robot.link_acceleration_local(&Q, &QD, &QDD, link).expect("fits"),
         ]));
         let mut columns = [Twist::zero(); 3];
         robot.jacobian(&Q, link, &mut columns).expect("fits");
         all.extend(twists(&columns));
-        robot.local_jacobian(&Q, link, &mut columns).expect("fits");
+        robot.jacobian_local(&Q, link, &mut columns).expect("fits");
         all.extend(twists(&columns));
         robot.jacobian_time_derivative(&Q, &QD, link, &mut columns).expect("fits");
         all.extend(twists(&columns));
-        robot.local_jacobian_time_derivative(&Q, &QD, link, &mut columns).expect("fits");
+        robot.jacobian_time_derivative_local(&Q, &QD, link, &mut columns).expect("fits");
         all.extend(twists(&columns));
         all.extend(twists(&[
-            robot.bias_acceleration(&Q, &QD, link).expect("fits"),
-            robot.local_bias_acceleration(&Q, &QD, link).expect("fits"),
+            robot.jacobian_dot_qd(&Q, &QD, link).expect("fits"),
+            robot.jacobian_dot_qd_local(&Q, &QD, link).expect("fits"),
         ]));
     }
     all

@@ -519,7 +519,7 @@ fn machine_code_of_many_rows_has_them_in_its_program() {
         let names: Vec<String> = (0..surfaces).map(|i| format!("c{i}")).collect();
         let contacts = names.iter().map(|name| contact(name, ContactKind::Surface, "lower"));
         let robot = builder("double_pendulum").contacts(contacts);
-        let planning = robot.functions([Function::ContactImpulse]).plan().expect("good");
+        let planning = robot.functions([Function::ImpactDynamics]).plan().expect("good");
         let (scalar, _) = planning.plan.functions[0].kernels.straight().expect("one program");
         assert_eq!(scalar.has_row_equations(), apart, "{surfaces}");
     }

@@ -17,7 +17,7 @@ use modyn_tests::quantities::Quantities;
 use modyn_tests::random;
 
 const FUNCTIONS: [Function; 3] =
-    [Function::ConstrainedForwardDynamics, Function::ContactImpulse, Function::ConstraintResidual];
+    [Function::ConstrainedForwardDynamics, Function::ImpactDynamics, Function::ConstraintResidual];
 
 type Settings = ConstraintSettings<f64, Vec<ContactTarget<f64>>>;
 
@@ -51,7 +51,7 @@ fn expected(
                 into,
             )
         }
-        Function::ContactImpulse => interpreter.contact_impulse(
+        Function::ImpactDynamics => interpreter.impact_dynamics(
             State { q, qd },
             active,
             settings,

@@ -147,7 +147,7 @@ impl Robot {
     /// forces.
     /// Result: (nv,). Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, tau, forces, *, out=None))]
-    fn forward_dynamics_external<'py>(
+    fn forward_dynamics_external_local<'py>(
         &self,
         py: Python<'py>,
         q: &Bound<'py, PyAny>,
@@ -166,7 +166,7 @@ impl Robot {
     /// forces.
     /// Result: (nv,). Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, tau, forces, *, out=None))]
-    fn forward_dynamics_external_world<'py>(
+    fn forward_dynamics_external<'py>(
         &self,
         py: Python<'py>,
         q: &Bound<'py, PyAny>,
@@ -185,7 +185,7 @@ impl Robot {
     /// forces.
     /// Result: (nv,). Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, qdd, forces, *, out=None))]
-    fn inverse_dynamics_external<'py>(
+    fn inverse_dynamics_external_local<'py>(
         &self,
         py: Python<'py>,
         q: &Bound<'py, PyAny>,
@@ -204,7 +204,7 @@ impl Robot {
     /// forces.
     /// Result: (nv,). Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, qdd, forces, *, out=None))]
-    fn inverse_dynamics_external_world<'py>(
+    fn inverse_dynamics_external<'py>(
         &self,
         py: Python<'py>,
         q: &Bound<'py, PyAny>,
@@ -224,7 +224,7 @@ impl Robot {
     /// Result: `GeneralizedForces`: `tau` (nv,), `dq` (nv, nv). Several states have one more axis,
     /// the first.
     #[pyo3(signature = (q, forces, *, out=None))]
-    fn generalized_forces<'py>(
+    fn generalized_forces_local<'py>(
         &self,
         py: Python<'py>,
         q: &Bound<'py, PyAny>,
@@ -242,7 +242,7 @@ impl Robot {
     /// Result: `GeneralizedForces`: `tau` (nv,), `dq` (nv, nv). Several states have one more axis,
     /// the first.
     #[pyo3(signature = (q, forces, *, out=None))]
-    fn generalized_forces_world<'py>(
+    fn generalized_forces<'py>(
         &self,
         py: Python<'py>,
         q: &Bound<'py, PyAny>,
@@ -687,10 +687,10 @@ impl Robot {
     /// Arguments: `q`: (nq,); `qd`: (nv,); `contacts`: the names of the active contacts, or
     /// (contacts,), 1 for each active one, else 0; by default all are; `settings`:
     /// `ConstraintSettings`, by default with the ground at z = 0 under all contacts.
-    /// Result: `ContactImpulse`: `qd` (nv,), `impulses` (constraints, 6), `rank` a number, moments
+    /// Result: `ImpactDynamics`: `qd` (nv,), `impulses` (constraints, 6), `rank` a number, moments
     /// before forces. Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, contacts=None, settings=None, *, out=None))]
-    fn contact_impulse<'py>(
+    fn impact_dynamics<'py>(
         &self,
         py: Python<'py>,
         q: &Bound<'py, PyAny>,
@@ -831,7 +831,7 @@ impl Robot {
     /// Result: (constraints, 6), angular before linear components. Several states have one more
     /// axis, the first.
     #[pyo3(signature = (q, qd, *, out=None))]
-    fn constraint_bias_acceleration<'py>(
+    fn constraint_jacobian_dot_qd<'py>(
         &self,
         py: Python<'py>,
         q: &Bound<'py, PyAny>,
@@ -849,11 +849,11 @@ impl Robot {
     /// Arguments: `q`: (nq,); `contacts`: the names of the active contacts, or (contacts,), 1 for
     /// each active one, else 0; by default all are; `settings`: `ConstraintSettings`, by default
     /// with the ground at z = 0 under all contacts.
-    /// Result: `OperationalInertia`: `inverse` (constraint rows, constraint rows), `inertia`
+    /// Result: `OperationalSpaceInertia`: `inverse` (constraint rows, constraint rows), `inertia`
     /// (constraint rows, constraint rows), `rank` a number. Several states have one more axis, the
     /// first.
     #[pyo3(signature = (q, contacts=None, settings=None, *, out=None))]
-    fn operational_inertia<'py>(
+    fn operational_space_inertia<'py>(
         &self,
         py: Python<'py>,
         q: &Bound<'py, PyAny>,
@@ -1061,7 +1061,7 @@ impl Robot {
     /// Result: (6,), angular before linear components. Several states have one more axis, the
     /// first.
     #[pyo3(signature = (q, qd, link, *, out=None))]
-    fn local_link_velocity<'py>(
+    fn link_velocity_local<'py>(
         &self,
         py: Python<'py>,
         q: &Bound<'py, PyAny>,
@@ -1101,7 +1101,7 @@ impl Robot {
     /// Result: (6,), angular before linear components. Several states have one more axis, the
     /// first.
     #[pyo3(signature = (q, qd, qdd, link, *, out=None))]
-    fn local_link_acceleration<'py>(
+    fn link_acceleration_local<'py>(
         &self,
         py: Python<'py>,
         q: &Bound<'py, PyAny>,
@@ -1137,7 +1137,7 @@ impl Robot {
     /// Result: (6, nv), angular before linear components. Several states have one more axis, the
     /// first.
     #[pyo3(signature = (q, link, *, out=None))]
-    fn local_jacobian<'py>(
+    fn jacobian_local<'py>(
         &self,
         py: Python<'py>,
         q: &Bound<'py, PyAny>,
@@ -1147,7 +1147,7 @@ impl Robot {
         self.call(py, 58, &[Some(q)], Some(link), out)
     }
 
-    /// Returns the time derivative of `jacobian`. Its product with `qd` is `bias_acceleration`.
+    /// Returns the time derivative of `jacobian`. Its product with `qd` is `jacobian_dot_qd`.
     /// Computes the link's kinematic path only.
     ///
     /// Arguments: `q`: (nq,); `qd`: (nv,); `link`: the name of a link, or its index in
@@ -1166,15 +1166,15 @@ impl Robot {
         self.call(py, 59, &[Some(q), Some(qd)], Some(link), out)
     }
 
-    /// Returns the time derivative of `local_jacobian`. Its product with `qd` is
-    /// `local_bias_acceleration`. Computes the link's kinematic path only.
+    /// Returns the time derivative of `jacobian_local`. Its product with `qd` is
+    /// `jacobian_dot_qd_local`. Computes the link's kinematic path only.
     ///
     /// Arguments: `q`: (nq,); `qd`: (nv,); `link`: the name of a link, or its index in
     /// `link_names`.
     /// Result: (6, nv), angular before linear components. Several states have one more axis, the
     /// first.
     #[pyo3(signature = (q, qd, link, *, out=None))]
-    fn local_jacobian_time_derivative<'py>(
+    fn jacobian_time_derivative_local<'py>(
         &self,
         py: Python<'py>,
         q: &Bound<'py, PyAny>,
@@ -1194,7 +1194,7 @@ impl Robot {
     /// Result: (6,), angular before linear components. Several states have one more axis, the
     /// first.
     #[pyo3(signature = (q, qd, link, *, out=None))]
-    fn bias_acceleration<'py>(
+    fn jacobian_dot_qd<'py>(
         &self,
         py: Python<'py>,
         q: &Bound<'py, PyAny>,
@@ -1206,14 +1206,14 @@ impl Robot {
     }
 
     /// Returns the bias acceleration of a link in its own axes: the time derivative of
-    /// `local_jacobian` times `qd`. Computes the link's kinematic path only.
+    /// `jacobian_local` times `qd`. Computes the link's kinematic path only.
     ///
     /// Arguments: `q`: (nq,); `qd`: (nv,); `link`: the name of a link, or its index in
     /// `link_names`.
     /// Result: (6,), angular before linear components. Several states have one more axis, the
     /// first.
     #[pyo3(signature = (q, qd, link, *, out=None))]
-    fn local_bias_acceleration<'py>(
+    fn jacobian_dot_qd_local<'py>(
         &self,
         py: Python<'py>,
         q: &Bound<'py, PyAny>,

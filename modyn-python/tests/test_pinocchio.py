@@ -147,8 +147,8 @@ def test_wrenches():
         frame = model.getFrameId(link)
         jacobian = pin.computeFrameJacobian(model, data, both.theirs.to_q(q[0]), frame, pin.LOCAL)
         expected += both.theirs.from_v(jacobian.T @ np.concatenate([wrench[3:], wrench[:3]]))
-    close(robot.generalized_forces(q[0], forces).tau, expected)
-    found = robot.forward_dynamics_external(q[0], qd[0], tau[0], forces)
+    close(robot.generalized_forces_local(q[0], forces).tau, expected)
+    found = robot.forward_dynamics_external_local(q[0], qd[0], tau[0], forces)
     close(found, robot.forward_dynamics(q[0], qd[0], tau[0] + expected), 1e-8)
 
 

@@ -283,7 +283,7 @@ class State:
 
         count, base = len(self.case.links), 0 if self.case.floating else 1
         wrenches = self.rng.normal(size=(count + base, 6)) * 5
-        for end, world in ("", False), ("_world", True):
+        for end, world in ("_local", False), ("", True):
             of = lambda dx=None: naive.external(q, wrenches[base:], dx, world=world)
             outside = of().real
             yield f"generalized_forces{end}", (q, wrenches), (outside, by(of)), False
@@ -305,16 +305,16 @@ class State:
         for i in {0, count // 2, count - 1}:
             link = i + base
             yield "link_pose", (q, link), poses[link], False
-            for name, world in ("", True), ("local_", False):
+            for end, world in ("", True), ("_local", False):
                 twist = lambda *state: naive.twist(q, i, *state, world=world)
                 jacobian = np.broadcast_to(twist(eye), (n, 6)).T
                 rate = np.broadcast_to(twist(eye, 1j * STEP * qd).imag / STEP, (n, 6)).T
-                yield f"{name}link_velocity", (q, qd, link), twist(qd), False
-                yield f"{name}jacobian", (q, link), jacobian, False
-                yield f"{name}jacobian_time_derivative", (q, qd, link), rate, False
-                yield f"{name}bias_acceleration", (q, qd, link), rate @ qd, False
+                yield f"link_velocity{end}", (q, qd, link), twist(qd), False
+                yield f"jacobian{end}", (q, link), jacobian, False
+                yield f"jacobian_time_derivative{end}", (q, qd, link), rate, False
+                yield f"jacobian_dot_qd{end}", (q, qd, link), rate @ qd, False
                 acceleration = naive.link_acceleration(q, qd, qdd, i, world=world)
-                yield f"{name}link_acceleration", (q, qd, qdd, link), acceleration, False
+                yield f"link_acceleration{end}", (q, qd, qdd, link), acceleration, False
 
     def constrained(self):
         """The functions of constraints. `left_out` has the reasons why the state is left out of some."""
@@ -335,7 +335,7 @@ class State:
             scales += [np.sqrt(np.trace(whole.T @ self.inverse @ whole)) or 1.0] * own.shape[1]
         place, velocity = rows(relative(0, q)), rows(relative(1, q, qd))
         yield "constraint_jacobian", (q,), twists(jacobian, -1), False
-        yield "constraint_bias_acceleration", (q, qd), twists(rows(relative(2, q, qd)), -1), False
+        yield "constraint_jacobian_dot_qd", (q, qd), twists(rows(relative(2, q, qd)), -1), False
         yield "constraint_residual", (q, qd), (twists(place, -1), twists(velocity, -1)), False
         force = naive.inverse_dynamics(q, qd, qdd).real
         if self.contacts_on_base:
@@ -379,14 +379,14 @@ class State:
         missed, wrenches = jacobian @ moved - target, twists(forces, 1)
         yield "constrained_forward_dynamics", (q, qd, tau), (moved, wrenches, twists(missed, -1), rank), True
         change, impulses = solved(zero, -velocity)
-        yield "contact_impulse", (q, qd), (qd + change, twists(impulses, 1), rank), True
+        yield "impact_dynamics", (q, qd), (qd + change, twists(impulses, 1), rank), True
         yield "project_constraints", (q, qd), (solved(zero, -place)[0], change, rank), True
         # The directions of the rows of a hinge or a slider are not unique.
         if all(c.kind not in ("revolute", "prismatic") for c in each):
             units = np.concatenate([naive.rows(c, length, np.ones(6)) for c, length in zip(each, lengths)])
             delassus = jacobian @ solve(mass, jacobian.T) / np.outer(units, units)
             inertia = basis @ solve(independent @ solve(mass, independent.T), basis.T) * np.outer(units, units)
-            yield "operational_inertia", (q,), (delassus, inertia, rank), True
+            yield "operational_space_inertia", (q,), (delassus, inertia, rank), True
         if np.abs(missed).max(initial=0) > CONTRADICTION * (1 + np.abs(target).max(initial=0)):
             self.left_out.append("contradiction")
             return

@@ -50,11 +50,11 @@ def doors(robot):
         "constrained_forward_dynamics": (q, qd, tau),
         "constrained_forward_dynamics_derivatives": (q, qd, tau),
         "constraint_residual": (q, qd),
-        "contact_impulse": (q, qd),
+        "impact_dynamics": (q, qd),
     }
     call = lambda name, arguments: lambda settings: getattr(robot, name)(*arguments, settings=settings)
     found = {name: call(name, arguments) for name, arguments in functions.items()}
-    found["many states"] = lambda settings: robot.contact_impulse(np.stack([q, q]), qd, settings=settings)
+    found["many states"] = lambda settings: robot.impact_dynamics(np.stack([q, q]), qd, settings=settings)
     return found
 
 
@@ -82,7 +82,7 @@ def test_the_state_of_a_wrong_number_is_named(robot):
     settings = np.tile(np.asarray(ConstraintSettings([ContactTarget()] * 2)), (5, 1))
     settings[3, -1] = -0.5
     with pytest.raises(ValueError, match=r"`weight` of `settings.contacts\[1\]` is -0.5.*\(in state 3\)"):
-        robot.contact_impulse(q, qd, settings=settings)
+        robot.impact_dynamics(q, qd, settings=settings)
 
 
 def steps(robot):
@@ -180,7 +180,7 @@ def test_torch_checks_settings(robot):
     q, qd, tau = state(robot)
     bad = torch.from_numpy(np.asarray(ConstraintSettings([ContactTarget(), ContactTarget(compliance=-0.1)])))
     with pytest.raises(ValueError, match=r"`compliance` of `settings.contacts\[1\]` is -0.1"):
-        modyn.torch.function(robot, "contact_impulse")(q, qd, np.ones(2), bad)
+        modyn.torch.function(robot, "impact_dynamics")(q, qd, np.ones(2), bad)
 
 
 def test_random_parts_are_between_zero_and_one(robot):

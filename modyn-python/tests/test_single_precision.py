@@ -88,7 +88,7 @@ def test_all_results_are_single_precision():
         "forward_dynamics_derivatives": (q, qd, tau),
         "inverse_dynamics_vjp": (q, qd, qdd, tau),
         "regressor": (q, qd, qdd),
-        "generalized_forces": (q, forces),
+        "generalized_forces_local": (q, forces),
         "step_rk4": (q, qd, tau, np.full(5, 0.01, np.float32)),
         "kinetic_energy": (q, qd),
     }

@@ -29,7 +29,7 @@ const COMPARED: [Function; 9] = [
     Function::CentroidalMomentumRate,
     Function::ConstraintResidual,
     Function::ConstraintJacobian,
-    Function::ConstraintBiasAcceleration,
+    Function::ConstraintJacobianDotQd,
 ];
 
 /// Returns the options with which a robot that was written is read: those that its format has no words for.

@@ -59,10 +59,10 @@ traits! {
     "add the function to the option `functions` of the robot, as in `functions = [default, \
      regressor]`; without this option it has the default functions":
     // <!-- data: traits-of-kinematics -->
+    /// Robots that have `generalized_forces_local`.
+    GeneralizedForcesLocal "`{Self}` has no function `generalized_forces_local`";
     /// Robots that have `generalized_forces`.
     GeneralizedForces "`{Self}` has no function `generalized_forces`";
-    /// Robots that have `generalized_forces_world`.
-    GeneralizedForcesWorld "`{Self}` has no function `generalized_forces_world`";
     /// Robots that have `actuate`.
     Actuate "`{Self}` has no function `actuate`";
     /// Robots that have `regressor`.
@@ -73,24 +73,24 @@ traits! {
     LinkPose "`{Self}` has no function `link_pose`";
     /// Robots that have `link_velocity`.
     LinkVelocity "`{Self}` has no function `link_velocity`";
-    /// Robots that have `local_link_velocity`.
-    LocalLinkVelocity "`{Self}` has no function `local_link_velocity`";
+    /// Robots that have `link_velocity_local`.
+    LinkVelocityLocal "`{Self}` has no function `link_velocity_local`";
     /// Robots that have `link_acceleration`.
     LinkAcceleration "`{Self}` has no function `link_acceleration`";
-    /// Robots that have `local_link_acceleration`.
-    LocalLinkAcceleration "`{Self}` has no function `local_link_acceleration`";
+    /// Robots that have `link_acceleration_local`.
+    LinkAccelerationLocal "`{Self}` has no function `link_acceleration_local`";
     /// Robots that have `jacobian`.
     Jacobian "`{Self}` has no function `jacobian`";
-    /// Robots that have `local_jacobian`.
-    LocalJacobian "`{Self}` has no function `local_jacobian`";
+    /// Robots that have `jacobian_local`.
+    JacobianLocal "`{Self}` has no function `jacobian_local`";
     /// Robots that have `jacobian_time_derivative`.
     JacobianTimeDerivative "`{Self}` has no function `jacobian_time_derivative`";
-    /// Robots that have `local_jacobian_time_derivative`.
-    LocalJacobianTimeDerivative "`{Self}` has no function `local_jacobian_time_derivative`";
-    /// Robots that have `bias_acceleration`.
-    BiasAcceleration "`{Self}` has no function `bias_acceleration`";
-    /// Robots that have `local_bias_acceleration`.
-    LocalBiasAcceleration "`{Self}` has no function `local_bias_acceleration`";
+    /// Robots that have `jacobian_time_derivative_local`.
+    JacobianTimeDerivativeLocal "`{Self}` has no function `jacobian_time_derivative_local`";
+    /// Robots that have `jacobian_dot_qd`.
+    JacobianDotQd "`{Self}` has no function `jacobian_dot_qd`";
+    /// Robots that have `jacobian_dot_qd_local`.
+    JacobianDotQdLocal "`{Self}` has no function `jacobian_dot_qd_local`";
     /// Robots that have `integrate`.
     Integrate "`{Self}` has no function `integrate`";
     /// Robots that have `difference`.
@@ -133,14 +133,14 @@ traits! {
     KineticEnergy "`{Self}` has no function `kinetic_energy`";
     /// Robots that have `potential_energy`.
     PotentialEnergy "`{Self}` has no function `potential_energy`";
+    /// Robots that have `forward_dynamics_external_local`.
+    ForwardDynamicsExternalLocal "`{Self}` has no function `forward_dynamics_external_local`";
     /// Robots that have `forward_dynamics_external`.
     ForwardDynamicsExternal "`{Self}` has no function `forward_dynamics_external`";
-    /// Robots that have `forward_dynamics_external_world`.
-    ForwardDynamicsExternalWorld "`{Self}` has no function `forward_dynamics_external_world`";
+    /// Robots that have `inverse_dynamics_external_local`.
+    InverseDynamicsExternalLocal "`{Self}` has no function `inverse_dynamics_external_local`";
     /// Robots that have `inverse_dynamics_external`.
     InverseDynamicsExternal "`{Self}` has no function `inverse_dynamics_external`";
-    /// Robots that have `inverse_dynamics_external_world`.
-    InverseDynamicsExternalWorld "`{Self}` has no function `inverse_dynamics_external_world`";
     /// Robots that have `inverse_dynamics_derivatives`.
     InverseDynamicsDerivatives "`{Self}` has no function `inverse_dynamics_derivatives`";
     /// Robots that have `forward_dynamics_derivatives`.
@@ -235,16 +235,16 @@ traits! {
     /// Robots that have `constrained_forward_dynamics_hessian`.
     ConstrainedForwardDynamicsHessian
         "`{Self}` has no function `constrained_forward_dynamics_hessian`";
-    /// Robots that have `contact_impulse`.
-    ContactImpulse "`{Self}` has no function `contact_impulse`";
+    /// Robots that have `impact_dynamics`.
+    ImpactDynamics "`{Self}` has no function `impact_dynamics`";
     /// Robots that have `constrained_inverse_dynamics`.
     ConstrainedInverseDynamics "`{Self}` has no function `constrained_inverse_dynamics`";
     /// Robots that have `constraint_jacobian`.
     ConstraintJacobian "`{Self}` has no function `constraint_jacobian`";
-    /// Robots that have `constraint_bias_acceleration`.
-    ConstraintBiasAcceleration "`{Self}` has no function `constraint_bias_acceleration`";
-    /// Robots that have `operational_inertia`.
-    OperationalInertia "`{Self}` has no function `operational_inertia`";
+    /// Robots that have `constraint_jacobian_dot_qd`.
+    ConstraintJacobianDotQd "`{Self}` has no function `constraint_jacobian_dot_qd`";
+    /// Robots that have `operational_space_inertia`.
+    OperationalSpaceInertia "`{Self}` has no function `operational_space_inertia`";
     /// Robots that have `constrained_forward_dynamics_batch`.
     ConstrainedForwardDynamicsBatch
         "`{Self}` has no function `constrained_forward_dynamics_batch`";
@@ -255,18 +255,17 @@ traits! {
     /// Robots that have `constrained_forward_dynamics_derivatives_batch`.
     ConstrainedForwardDynamicsDerivativesBatch
         "`{Self}` has no function `constrained_forward_dynamics_derivatives_batch`";
-    /// Robots that have `contact_impulse_batch`.
-    ContactImpulseBatch "`{Self}` has no function `contact_impulse_batch`";
+    /// Robots that have `impact_dynamics_batch`.
+    ImpactDynamicsBatch "`{Self}` has no function `impact_dynamics_batch`";
     /// Robots that have `constrained_inverse_dynamics_batch`.
     ConstrainedInverseDynamicsBatch
         "`{Self}` has no function `constrained_inverse_dynamics_batch`";
     /// Robots that have `constraint_jacobian_batch`.
     ConstraintJacobianBatch "`{Self}` has no function `constraint_jacobian_batch`";
-    /// Robots that have `constraint_bias_acceleration_batch`.
-    ConstraintBiasAccelerationBatch
-        "`{Self}` has no function `constraint_bias_acceleration_batch`";
-    /// Robots that have `operational_inertia_batch`.
-    OperationalInertiaBatch "`{Self}` has no function `operational_inertia_batch`";
+    /// Robots that have `constraint_jacobian_dot_qd_batch`.
+    ConstraintJacobianDotQdBatch "`{Self}` has no function `constraint_jacobian_dot_qd_batch`";
+    /// Robots that have `operational_space_inertia_batch`.
+    OperationalSpaceInertiaBatch "`{Self}` has no function `operational_space_inertia_batch`";
     // <!-- end -->
 }
 
@@ -286,16 +285,16 @@ all_of! {
     /// actuators.
     All "`{Self}` lacks a function of one state":
     // <!-- data: functions-of-one-state -->
-    Defaults CoriolisMatrix ForwardDynamicsExternal ForwardDynamicsExternalWorld
-    InverseDynamicsExternal InverseDynamicsExternalWorld GeneralizedForces GeneralizedForcesWorld
+    Defaults CoriolisMatrix ForwardDynamicsExternalLocal ForwardDynamicsExternal
+    InverseDynamicsExternalLocal InverseDynamicsExternal GeneralizedForcesLocal GeneralizedForces
     InverseDynamicsDerivatives ForwardDynamicsDerivatives InverseDynamicsVjp InverseDynamicsJvp
     ForwardDynamicsVjp ForwardDynamicsJvp InverseDynamicsHessian ForwardDynamicsHessian
     StepSemiImplicit StepSemiImplicitDerivatives StepSemiImplicitHessian StepRk4 StepRk4Derivatives
     StepImplicitMidpoint StepImplicitMidpointDerivatives Step Regressor CenterOfMassJacobian
     CentroidalMomentumMatrix CentroidalCompositeInertia CentroidalMomentum CentroidalMomentumRate
-    CentroidalMomentumDerivatives LinkVelocity LocalLinkVelocity LinkAcceleration
-    LocalLinkAcceleration LocalJacobian JacobianTimeDerivative LocalJacobianTimeDerivative
-    BiasAcceleration LocalBiasAcceleration IntegrateDerivatives DifferenceDerivatives
+    CentroidalMomentumDerivatives LinkVelocity LinkVelocityLocal LinkAcceleration
+    LinkAccelerationLocal JacobianLocal JacobianTimeDerivative JacobianTimeDerivativeLocal
+    JacobianDotQd JacobianDotQdLocal IntegrateDerivatives DifferenceDerivatives
     // <!-- end -->
 }
 
@@ -323,8 +322,8 @@ all_of! {
     ConstraintBatches "`{Self}` lacks a function of closed loops and contacts for many states":
     // <!-- data: functions-of-constraints-for-many-states -->
     ConstrainedForwardDynamicsBatch ConstraintResidualBatch ProjectConstraintsBatch
-    ConstrainedForwardDynamicsDerivativesBatch ContactImpulseBatch ConstrainedInverseDynamicsBatch
-    ConstraintJacobianBatch ConstraintBiasAccelerationBatch OperationalInertiaBatch
+    ConstrainedForwardDynamicsDerivativesBatch ImpactDynamicsBatch ConstrainedInverseDynamicsBatch
+    ConstraintJacobianBatch ConstraintJacobianDotQdBatch OperationalSpaceInertiaBatch
     // <!-- end -->
 }
 

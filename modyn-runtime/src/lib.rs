@@ -88,10 +88,10 @@ pub use parameters::ParameterError;
 pub use results::{
     ActuatedStep, ActuatorForces, CentroidalMomentumDerivatives, ConstrainedForwardDynamics,
     ConstrainedForwardDynamicsDerivatives, ConstrainedForwardDynamicsHessian,
-    ConstrainedInverseDynamics, ConstraintProjection, ConstraintResidual, ContactImpulse,
-    DifferenceDerivatives, ForwardDynamicsDerivatives, ForwardDynamicsHessian, ForwardDynamicsJvp,
-    ForwardDynamicsVjp, GeneralizedForces, IntegrateDerivatives, InverseDynamicsDerivatives,
-    InverseDynamicsHessian, InverseDynamicsJvp, InverseDynamicsVjp, OperationalInertia, Step,
+    ConstrainedInverseDynamics, ConstraintProjection, ConstraintResidual, DifferenceDerivatives,
+    ForwardDynamicsDerivatives, ForwardDynamicsHessian, ForwardDynamicsJvp, ForwardDynamicsVjp,
+    GeneralizedForces, ImpactDynamics, IntegrateDerivatives, InverseDynamicsDerivatives,
+    InverseDynamicsHessian, InverseDynamicsJvp, InverseDynamicsVjp, OperationalSpaceInertia, Step,
     StepDerivatives, StepHessian, StepSolution,
 };
 #[cfg(feature = "alloc")]

@@ -243,7 +243,7 @@ pub struct ConstrainedForwardDynamics<V, W, R, T> {
 
 /// The velocities after an impact, and the impulses of the constraints.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ContactImpulse<V, W, T> {
+pub struct ImpactDynamics<V, W, T> {
     /// The velocities after the impact, rad/s or m/s.
     pub qd: V,
     /// The impulse on each constraint's second link, N m s and N s, in the axes and at the point of
@@ -318,7 +318,7 @@ pub struct ConstrainedInverseDynamics<V, W, T> {
 /// The operational-space inertia of the constraints and its inverse: square matrices, arrays of
 /// columns, with a row for each constraint row.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct OperationalInertia<R, T> {
+pub struct OperationalSpaceInertia<R, T> {
     /// J M^-1 J^T with the mass matrix M, and the compliance of contacts, 1/kg (rotations 1/(kg
     /// m^2)).
     pub inverse: R,

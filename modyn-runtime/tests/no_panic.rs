@@ -200,8 +200,8 @@ fn call(interpreter: &mut Interpreter<f64>, dice: &mut Dice) {
         r.gravity_torques(&q, &mut b).ok();
         r.mass_matrix(&q, &mut c).ok();
         for forces in [Forces::InLinkAxes(&wrenches), Forces::InWorldAxes(&wrenches)] {
-            r.forward_dynamics_external(&q, &qd, &tau, forces, &mut a).ok();
-            r.inverse_dynamics_external(&q, &qd, &qdd, forces, &mut b).ok();
+            r.forward_dynamics_external_local(&q, &qd, &tau, forces, &mut a).ok();
+            r.inverse_dynamics_external_local(&q, &qd, &qdd, forces, &mut b).ok();
         }
         r.kinetic_energy(&q, &qd).ok();
         r.potential_energy(&q).ok();
@@ -232,13 +232,13 @@ fn call(interpreter: &mut Interpreter<f64>, dice: &mut Dice) {
         r.link_poses(&q, &mut poses).ok();
         r.link_pose(&q, frame).ok();
         r.link_velocity(&q, &qd, frame).ok();
-        r.local_link_velocity(&q, &qd, frame).ok();
+        r.link_velocity_local(&q, &qd, frame).ok();
         r.link_acceleration(&q, &qd, &qdd, frame).ok();
-        r.local_link_acceleration(&q, &qd, &qdd, frame).ok();
+        r.link_acceleration_local(&q, &qd, &qdd, frame).ok();
         r.jacobian(&q, frame, &mut twists).ok();
-        r.local_jacobian(&q, frame, &mut twists).ok();
-        r.bias_acceleration(&q, &qd, frame).ok();
-        r.local_bias_acceleration(&q, &qd, frame).ok();
+        r.jacobian_local(&q, frame, &mut twists).ok();
+        r.jacobian_dot_qd(&q, &qd, frame).ok();
+        r.jacobian_dot_qd_local(&q, &qd, frame).ok();
         r.center_of_mass(&q).ok();
         r.center_of_mass_jacobian(&q, &mut points).ok();
         r.centroidal_momentum(&q, &qd).ok();

@@ -64,8 +64,8 @@ ROBOTS = [
 LONG = ("G1", "forward_dynamics_derivatives")
 FEET = ["--contacts", "fl: point(front_left_foot)", "--contacts", "hr: surface(hind_right_foot)"]
 OF_CONTACTS = (
-    "constrained_forward_dynamics,constrained_forward_dynamics_derivatives,constraint_residual,contact_impulse,"
-    "constrained_inverse_dynamics,constraint_jacobian,constraint_bias_acceleration,operational_inertia"
+    "constrained_forward_dynamics,constrained_forward_dynamics_derivatives,constraint_residual,impact_dynamics,"
+    "constrained_inverse_dynamics,constraint_jacobian,constraint_jacobian_dot_qd,operational_space_inertia"
 )
 # Texts that have all functions together.
 EVERYTHING = [

@@ -90,22 +90,22 @@ fn time_derivatives_of_jacobians_are_the_differences_along_the_motion() {
                 let mut columns = vec![Twist::zero(); n];
                 let derive = match local {
                     false => Interpreter::jacobian_time_derivative,
-                    true => Interpreter::local_jacobian_time_derivative,
+                    true => Interpreter::jacobian_time_derivative_local,
                 };
                 derive(&mut robot, &q, &qd, link, &mut columns).expect("lengths");
                 let rate = along(&mut robot, (&q, &qd), |robot, q| {
                     let mut columns = vec![Twist::zero(); n];
                     let jacobian = match local {
                         false => Interpreter::jacobian,
-                        true => Interpreter::local_jacobian,
+                        true => Interpreter::jacobian_local,
                     };
                     jacobian(robot, q, link, &mut columns).expect("lengths");
                     numbers(&columns)
                 });
                 assert_close(&name, &numbers(&columns), &rate, DIFFERENCES);
                 let bias = match local {
-                    false => robot.bias_acceleration(&q, &qd, link),
-                    true => robot.local_bias_acceleration(&q, &qd, link),
+                    false => robot.jacobian_dot_qd(&q, &qd, link),
+                    true => robot.jacobian_dot_qd_local(&q, &qd, link),
                 };
                 let mut found = [0.0; 6];
                 for (column, rate) in columns.iter().zip(&qd) {

@@ -83,7 +83,7 @@ fn impulses_with_and_without_restitution() {
             let mut interpreter = Interpreter::<f64>::new(model.clone());
             let mut found = vec![0.0; model.nv()];
             let mut wrenches = vec![Wrench::zero(); model.contacts().len()];
-            let called = interpreter.contact_impulse(
+            let called = interpreter.impact_dynamics(
                 State { q: &state.q(), qd: &state.vector(before) },
                 active,
                 &settings(model, restitution),

@@ -259,7 +259,7 @@ fn jacobian(
     let mut columns = vec![Twist::zero(); interpreter.model().nv()];
     match axes {
         Axes::World => interpreter.jacobian(q, frame, &mut columns).expect(FINE),
-        Axes::Link => interpreter.local_jacobian(q, frame, &mut columns).expect(FINE),
+        Axes::Link => interpreter.jacobian_local(q, frame, &mut columns).expect(FINE),
     }
     columns
 }
@@ -349,7 +349,7 @@ fn velocities_are_the_poses_rates_and_the_jacobians_products() {
 
             let columns = jacobian(interpreter, q, frame, Axes::World);
             assert_close("J qd", &product(&columns, qd), &velocity.components(), EXACT);
-            let local = interpreter.local_link_velocity(q, qd, frame).expect(FINE);
+            let local = interpreter.link_velocity_local(q, qd, frame).expect(FINE);
             assert_close("in link axes", &local.components(), &to_link(&pose, &velocity), EXACT);
             let columns = jacobian(interpreter, q, frame, Axes::Link);
             assert_close("J qd in link axes", &product(&columns, qd), &local.components(), EXACT);
@@ -370,18 +370,18 @@ fn accelerations_are_the_velocities_rates_and_the_jacobians_products() {
             });
             assert_close("acceleration", &acceleration.components(), &expected, DIFFERENCES);
 
-            let rate = interpreter.bias_acceleration(q, qd, frame).expect(FINE);
+            let rate = interpreter.jacobian_dot_qd(q, qd, frame).expect(FINE);
             let columns = jacobian(interpreter, q, frame, Axes::World);
             let sum = plus(&product(&columns, qdd), 1.0, &rate.components());
             assert_close("J qdd + J' qd", &sum, &acceleration.components(), EXACT);
 
             let pose = interpreter.link_pose(q, frame).expect(FINE);
-            let local = interpreter.local_link_acceleration(q, qd, qdd, frame).expect(FINE);
+            let local = interpreter.link_acceleration_local(q, qd, qdd, frame).expect(FINE);
             let expected = to_link(&pose, &acceleration);
             assert_close("in link axes", &local.components(), &expected, EXACT);
 
             let coasting = State { q: q.clone(), qd: qd.clone(), qdd: vec![0.0; qd.len()] };
-            let rate = interpreter.local_bias_acceleration(q, qd, frame).expect(FINE);
+            let rate = interpreter.jacobian_dot_qd_local(q, qd, frame).expect(FINE);
             let expected = derivative(|time| {
                 let State { q, qd, .. } = coasting.after(&model, time);
                 product(&jacobian(interpreter, &q, frame, Axes::Link), &qd)
@@ -400,11 +400,11 @@ fn links_on_the_ground_do_not_move() {
             assert_eq!(interpreter.link_pose(q, frame), Ok(expected.pose));
             let still = Ok(Twist::zero());
             assert_eq!(interpreter.link_velocity(q, qd, frame), still);
-            assert_eq!(interpreter.local_link_velocity(q, qd, frame), still);
+            assert_eq!(interpreter.link_velocity_local(q, qd, frame), still);
             assert_eq!(interpreter.link_acceleration(q, qd, qdd, frame), still);
-            assert_eq!(interpreter.local_link_acceleration(q, qd, qdd, frame), still);
-            assert_eq!(interpreter.bias_acceleration(q, qd, frame), still);
-            assert_eq!(interpreter.local_bias_acceleration(q, qd, frame), still);
+            assert_eq!(interpreter.link_acceleration_local(q, qd, qdd, frame), still);
+            assert_eq!(interpreter.jacobian_dot_qd(q, qd, frame), still);
+            assert_eq!(interpreter.jacobian_dot_qd_local(q, qd, frame), still);
             for axes in [Axes::World, Axes::Link] {
                 let columns = jacobian(interpreter, q, frame, axes);
                 assert!(columns.iter().all(|column| *column == Twist::zero()));
@@ -632,12 +632,12 @@ fn a_link_that_is_not_there_is_an_error() {
     assert_eq!(interpreter.link_velocity(&q, &q, frames), Err(missing));
     assert_eq!(interpreter.link_acceleration(&q, &q, &q, frames), Err(missing));
     assert_eq!(interpreter.jacobian(&q, frames, &mut [Twist::zero(); 4]), Err(missing));
-    assert_eq!(interpreter.bias_acceleration(&q, &q, frames), Err(missing));
+    assert_eq!(interpreter.jacobian_dot_qd(&q, &q, frames), Err(missing));
     let message = format!("there is no link {frames}; the description has {frames}");
     assert_eq!(missing.to_string(), message);
 
     let shape = ShapeError::new("columns", 4, 3);
-    let found = interpreter.local_jacobian(&q, 0, &mut [Twist::zero(); 3]);
+    let found = interpreter.jacobian_local(&q, 0, &mut [Twist::zero(); 3]);
     assert_eq!(found, Err(FrameError::Shape(shape)));
     assert_eq!(interpreter.center_of_mass_jacobian(&q, &mut [Vector3::zero(); 3]), Err(shape));
     assert_eq!(
@@ -657,13 +657,13 @@ fn calls_allocate_nothing() {
             for frame in 0..frames {
                 interpreter.link_pose(q, frame)?;
                 interpreter.link_velocity(q, qd, frame)?;
-                interpreter.local_link_velocity(q, qd, frame)?;
+                interpreter.link_velocity_local(q, qd, frame)?;
                 interpreter.link_acceleration(q, qd, qdd, frame)?;
-                interpreter.local_link_acceleration(q, qd, qdd, frame)?;
+                interpreter.link_acceleration_local(q, qd, qdd, frame)?;
                 interpreter.jacobian(q, frame, &mut twists)?;
-                interpreter.local_jacobian(q, frame, &mut twists)?;
-                interpreter.bias_acceleration(q, qd, frame)?;
-                interpreter.local_bias_acceleration(q, qd, frame)?;
+                interpreter.jacobian_local(q, frame, &mut twists)?;
+                interpreter.jacobian_dot_qd(q, qd, frame)?;
+                interpreter.jacobian_dot_qd_local(q, qd, frame)?;
             }
             interpreter.center_of_mass(q)?;
             interpreter.center_of_mass_jacobian(q, &mut vectors)?;
@@ -699,11 +699,11 @@ fn a_link_depends_on_its_chain_alone() {
         (Function::Jacobian, 29),
         (Function::LinkVelocity, 36),
         (Function::LinkAcceleration, 77),
-        (Function::BiasAcceleration, 60),
-        (Function::LocalJacobian, 20),
-        (Function::LocalLinkVelocity, 20),
-        (Function::LocalLinkAcceleration, 65),
-        (Function::LocalBiasAcceleration, 31),
+        (Function::JacobianDotQd, 60),
+        (Function::JacobianLocal, 20),
+        (Function::LinkVelocityLocal, 20),
+        (Function::LinkAccelerationLocal, 65),
+        (Function::JacobianDotQdLocal, 31),
     ] {
         let (what, graph) = (function.name(), tracer.evaluation(function, &model, None));
         // No node has a forbidden input, not even a node that no result needs.

@@ -6,6 +6,6 @@ modyn::modyn!("good.urdf", bundles = [control: (mass_matrix, mass_matrix)]);
 
 modyn::modyn!("good.urdf", bundles = [type: (mass_matrix)]);
 
-modyn::modyn!("good.urdf", bundles = [control: (jacobian("hnd"), contact_impulse)]);
+modyn::modyn!("good.urdf", bundles = [control: (jacobian("hnd"), impact_dynamics)]);
 
 fn main() {}

@@ -15,7 +15,7 @@ modyn::modyn! {
     functions = [
         forward_dynamics, brge, mass_matrix, bias_forces, step_semi_implicit, step_semi_implicit_derivatives,
         integrate, integrate_derivatives, difference, difference_derivatives,
-        constraint_jacobian, constraint_bias_acceleration, constraint_residual,
+        constraint_jacobian, constraint_jacobian_dot_qd, constraint_residual,
         constrained_inverse_dynamics, constrained_forward_dynamics, constrained_forward_dynamics_derivatives,
         step,
     ],

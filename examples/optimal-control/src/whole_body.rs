@@ -66,9 +66,8 @@ pub(crate) fn command(
     let bias = DVector::from_column_slice(&Quadruped::bias_forces(q, qd));
     let columns = Quadruped::constraint_jacobian(q);
     let jacobian = DMatrix::from_fn(12, NV, |row, j| columns[row / 3][j].linear[row % 3]);
-    let bias_acceleration = Quadruped::constraint_bias_acceleration(q, qd);
-    let bias_acceleration =
-        DVector::from_fn(12, |row, _| bias_acceleration[row / 3].linear[row % 3]);
+    let jacobian_dot_qd = Quadruped::constraint_jacobian_dot_qd(q, qd);
+    let jacobian_dot_qd = DVector::from_fn(12, |row, _| jacobian_dot_qd[row / 3].linear[row % 3]);
     let speed = &jacobian * DVector::from_column_slice(qd);
 
     // The joint forces are (M, -J^T) (qdd, f) + h.
@@ -82,7 +81,7 @@ pub(crate) fn command(
     a.rows_mut(0, 6).copy_from(&dynamics.rows(0, 6));
     b.rows_mut(0, 6).copy_from(&-bias.rows(0, 6));
     a.view_mut((6, 0), (12, NV)).copy_from(&jacobian);
-    b.rows_mut(6, 12).copy_from(&-(bias_acceleration + speed * FOOT_DAMPING));
+    b.rows_mut(6, 12).copy_from(&-(jacobian_dot_qd + speed * FOOT_DAMPING));
     for foot in 0..4 {
         let (row, force) = (EQUATIONS + 5 * foot, NV + 3 * foot);
         for (face, sign) in [1.0, -1.0, 1.0, -1.0].into_iter().enumerate() {

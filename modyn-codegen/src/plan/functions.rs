@@ -224,15 +224,15 @@ impl Lowering {
             Function::ConstrainedForwardDynamicsHessian => {
                 Lowering::traced(|t, s| t.constrained_forward_dynamics_hessian(&s.layout))
             }
-            Function::ContactImpulse => {
-                Lowering::traced(|t, s| t.contact_impulse(&s.for_derivatives))
+            Function::ImpactDynamics => {
+                Lowering::traced(|t, s| t.impact_dynamics(&s.for_derivatives))
                     .packed(Packing::Contacts)
-                    .rows(|t, s, inputs| t.contact_impulse_around_rows(&s.for_derivatives, inputs))
+                    .rows(|t, s, inputs| t.impact_dynamics_around_rows(&s.for_derivatives, inputs))
             }
-            Function::OperationalInertia => {
-                Lowering::traced(|t, s| t.operational_inertia(&s.layout))
+            Function::OperationalSpaceInertia => {
+                Lowering::traced(|t, s| t.operational_space_inertia(&s.layout))
                     .packed(Packing::ConstrainedColumns)
-                    .rows(|t, s, inputs| t.operational_inertia_around_rows(&s.layout, inputs))
+                    .rows(|t, s, inputs| t.operational_space_inertia_around_rows(&s.layout, inputs))
             }
             Function::Step | Function::StepActuated => {
                 Lowering { source: GraphSource::Step, ..Lowering::EVALUATED }
@@ -242,8 +242,8 @@ impl Lowering {
             Function::LinkAcceleration => {
                 Lowering::EVALUATED.in_bundles(|t| t.link_acceleration_from_world(0))
             }
-            Function::BiasAcceleration => {
-                Lowering::EVALUATED.in_bundles(|t| t.bias_acceleration_from_world(0))
+            Function::JacobianDotQd => {
+                Lowering::EVALUATED.in_bundles(|t| t.jacobian_dot_qd_from_world(0))
             }
             Function::Random => Lowering::EVALUATED.not_exported(),
             _ => match function.batched() {

@@ -209,7 +209,7 @@ const fn eliminates_rows(function: Function) -> bool {
             | Function::ConstrainedForwardDynamicsDerivatives
             | Function::ConstrainedForwardDynamicsHessian
             | Function::ProjectConstraints
-            | Function::ContactImpulse
-            | Function::OperationalInertia
+            | Function::ImpactDynamics
+            | Function::OperationalSpaceInertia
     )
 }

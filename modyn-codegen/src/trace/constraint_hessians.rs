@@ -239,7 +239,7 @@ fn relative_accelerations(
     let changes = State { q: motion.q, qd: motion.qdd };
     let mut accelerations = relative_velocities(model, targets, changes, workspaces);
     let mut biases = vec![Twist::zero(); accelerations.len()];
-    constraints::constraint_bias_acceleration(
+    constraints::constraint_jacobian_dot_qd(
         model,
         motion.state(),
         workspaces.workspace,

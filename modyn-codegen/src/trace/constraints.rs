@@ -8,7 +8,7 @@
 use modyn_runtime::equations::brge::UduLayout;
 use modyn_runtime::equations::constraints::{
     ColumnMap, ConstrainedOutputs, ConstraintInput, ConstraintWorkspaces, ImpulseOutputs,
-    OperationalInertiaOutputs, ProjectionOutputs, RowSystem,
+    OperationalSpaceInertiaOutputs, ProjectionOutputs, RowSystem,
 };
 use modyn_runtime::equations::factorization::{Factorizable, MergedUduLayout};
 use modyn_runtime::equations::{ConstraintWorkspace, ForwardInput, State, Workspace, constraints};
@@ -85,9 +85,9 @@ impl Tracer<'_> {
         self.around_rows(layout, Unknowns::Steps, inputs)
     }
 
-    /// Returns the graph of [`contact_impulse`](Self::contact_impulse) in the same form.
+    /// Returns the graph of [`impact_dynamics`](Self::impact_dynamics) in the same form.
     #[must_use]
-    pub fn contact_impulse_around_rows(&self, layout: &UduLayout, inputs: usize) -> DenseGraph {
+    pub fn impact_dynamics_around_rows(&self, layout: &UduLayout, inputs: usize) -> DenseGraph {
         self.around_rows(layout, Unknowns::Velocities, inputs)
     }
 
@@ -165,7 +165,7 @@ impl Tracer<'_> {
     /// Returns the graph of the velocities after an impact, an impulse for each constraint and the
     /// rank. Inputs: `q`, `qd`, active contacts and settings.
     #[must_use]
-    pub fn contact_impulse(&self, layout: &UduLayout) -> Graph {
+    pub fn impact_dynamics(&self, layout: &UduLayout) -> Graph {
         self.solution(layout, Unknowns::Velocities, None)
     }
 
@@ -305,14 +305,18 @@ impl Tracer<'_> {
     /// Returns the graph of the inverse operational-space inertia and the inertia, by columns, and
     /// the rank. Inputs: `q`, active contacts and settings.
     #[must_use]
-    pub fn operational_inertia(&self, layout: &UduLayout) -> Graph {
+    pub fn operational_space_inertia(&self, layout: &UduLayout) -> Graph {
         self.inertia(layout, None)
     }
 
-    /// Returns the graph of [`operational_inertia`](Self::operational_inertia) in the form of
+    /// Returns the graph of [`operational_space_inertia`](Self::operational_space_inertia) in the form of
     /// [`constrained_forward_dynamics_around_rows`](Self::constrained_forward_dynamics_around_rows).
     #[must_use]
-    pub fn operational_inertia_around_rows(&self, layout: &UduLayout, inputs: usize) -> DenseGraph {
+    pub fn operational_space_inertia_around_rows(
+        &self,
+        layout: &UduLayout,
+        inputs: usize,
+    ) -> DenseGraph {
         DenseGraph::new(inputs, self.rows(), |apart| self.inertia(layout, Some(apart)))
     }
 
@@ -327,13 +331,13 @@ impl Tracer<'_> {
             let layout = &MergedUduLayout::new(model, layout.clone());
             let memory = &mut ConstraintWorkspace::new(model, layout);
             let apart = apart.map(|apart| apart.given(memory, self.rows()));
-            let rank = constraints::operational_inertia(
+            let rank = constraints::operational_space_inertia(
                 model,
                 layout,
                 &q,
                 ConstraintInput { active: &active, settings: &settings_of(&settings) },
                 ConstraintWorkspaces { workspace: &mut Workspace::new(model), memory },
-                OperationalInertiaOutputs { inverse: &mut inverse, inertia: &mut inertia },
+                OperationalSpaceInertiaOutputs { inverse: &mut inverse, inertia: &mut inertia },
             );
             let operands = apart.map_or_else(Vec::new, |apart| apart.operands(memory));
             [inverse, inertia, vec![rank], operands].concat()
@@ -401,7 +405,7 @@ impl Unknowns {
                 let mut after = vector();
                 let mut impulses = vec![Wrench::zero(); count];
                 let outputs = ImpulseOutputs { qd: &mut after, impulses: &mut impulses };
-                let solve = constraints::contact_impulse;
+                let solve = constraints::impact_dynamics;
                 let rank = solve(tree, layout, state, constraints, workspaces, outputs);
                 let impulses = impulses.iter().flat_map(Wrench::components);
                 [after, impulses.collect(), vec![rank]]

@@ -74,7 +74,7 @@ impl Tracer<'_> {
     /// Returns the graph of a link's bias acceleration in world axes by the accelerations of the
     /// bodies. Inputs: `q`, `qd`.
     #[must_use]
-    pub fn bias_acceleration_from_world(&self, frame: usize) -> Graph {
+    pub fn jacobian_dot_qd_from_world(&self, frame: usize) -> Graph {
         self.trace(|model, [q, qd]| {
             let state = State { q: &q, qd: &qd };
             let workspace = &mut Workspace::new(model);

@@ -119,8 +119,8 @@ fn derivatives_under_external_wrenches_are_those_of_differences() {
             tracer.column_lanes(COLUMN_LANES).constrained_forward_dynamics_derivatives(&layout),
         );
         for (axes, function) in [
-            (Axes::Link, Function::GeneralizedForces),
-            (Axes::World, Function::GeneralizedForcesWorld),
+            (Axes::Link, Function::GeneralizedForcesLocal),
+            (Axes::World, Function::GeneralizedForces),
         ] {
             let pushes = optimize(tracer.evaluation(function, &model, None));
             let active: Vec<bool> = model.contacts().iter().map(|_| random.next() > -0.5).collect();

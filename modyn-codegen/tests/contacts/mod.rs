@@ -12,7 +12,7 @@ use modyn_codegen::trace::{LimbPacking, Tracer};
 use modyn_codegen::{Base, Builder, Contact, ContactKind, Function, LoopEnd, ReadOptions, read};
 use modyn_runtime::equations::brge::UduLayout;
 use modyn_runtime::equations::constraints::{
-    ConstrainedInverseOutputs, ConstrainedOutputs, ImpulseOutputs, OperationalInertiaOutputs,
+    ConstrainedInverseOutputs, ConstrainedOutputs, ImpulseOutputs, OperationalSpaceInertiaOutputs,
     ProjectionOutputs, ResidualOutputs,
 };
 use modyn_runtime::equations::{self, ForwardInput, Motion};
@@ -756,7 +756,7 @@ fn velocities_after_an_impact_are_as_the_dense_solution_says() {
         let (mut after, mut impulses) = (vec![0.0; nv], vec![Wrench::zero(); count]);
         let into = ImpulseOutputs { qd: &mut after, impulses: &mut impulses };
         let motion = equations::State { q: &state.q, qd: &state.qd };
-        interpreter.contact_impulse(motion, active, settings, into).expect("fits");
+        interpreter.impact_dynamics(motion, active, settings, into).expect("fits");
 
         let (jacobian, kept) = dense_rows(model, &mut interpreter, state, active);
         let masses = dense_masses(model, &mut interpreter, &state.q);
@@ -803,7 +803,7 @@ fn jacobians_and_bias_accelerations_are_those_of_the_links() {
         let (mut columns, mut bias) = (vec![Twist::zero(); nv * count], vec![Twist::zero(); count]);
         interpreter.constraint_jacobian(&state.q, &mut columns).expect("fits");
         let motion = equations::State { q: &state.q, qd: &state.qd };
-        interpreter.constraint_bias_acceleration(motion, &mut bias).expect("fits");
+        interpreter.constraint_jacobian_dot_qd(motion, &mut bias).expect("fits");
         for (c, contact) in model.contacts().iter().enumerate() {
             let expected = frame(&mut interpreter, state, c);
             for k in 0..6 {
@@ -820,15 +820,15 @@ fn jacobians_and_bias_accelerations_are_those_of_the_links() {
 }
 
 #[test]
-fn the_operational_inertia_is_the_inverse_of_what_the_dense_solution_says() {
+fn the_operational_space_inertia_is_the_inverse_of_what_the_dense_solution_says() {
     for_all(13, |model, state, active, settings| {
         let mut interpreter = Interpreter::new(model.clone());
         let mut settings = settings.clone();
         settings.contacts.iter_mut().for_each(|target| target.compliance = 0.02);
         let rows = model.constraint_rows();
         let (mut inverse, mut inertia) = (vec![0.0; rows * rows], vec![0.0; rows * rows]);
-        let into = OperationalInertiaOutputs { inverse: &mut inverse, inertia: &mut inertia };
-        let rank = interpreter.operational_inertia(&state.q, active, &settings, into);
+        let into = OperationalSpaceInertiaOutputs { inverse: &mut inverse, inertia: &mut inertia };
+        let rank = interpreter.operational_space_inertia(&state.q, active, &settings, into);
         let (jacobian, kept) = dense_rows(model, &mut interpreter, state, active);
         let masses = dense_masses(model, &mut interpreter, &state.q);
         let response = masses.cholesky().expect("positive").solve(&jacobian.transpose());
@@ -904,8 +904,8 @@ fn what_gets_compiled_of_the_other_functions_is_what_the_interpreter_computes() 
 
         let (mut qd, mut impulses) = (vec![0.0; nv], vec![Wrench::zero(); count]);
         let into = ImpulseOutputs { qd: &mut qd, impulses: &mut impulses };
-        let rank = interpreter.contact_impulse(motion, active, settings, into).expect("fits");
-        let graph = optimize(tracer.contact_impulse(&layout));
+        let rank = interpreter.impact_dynamics(motion, active, settings, into).expect("fits");
+        let graph = optimize(tracer.impact_dynamics(&layout));
         let found = graph.evaluate(&[&*state.q, &state.qd, &on, &numbers].concat());
         assert_near(&found, &[qd, components(&impulses), vec![rank]].concat(), 1e-8);
 
@@ -926,15 +926,16 @@ fn what_gets_compiled_of_the_other_functions_is_what_the_interpreter_computes() 
         assert_near(&found, &expected, 1e-12);
 
         let mut bias = vec![Twist::zero(); count];
-        interpreter.constraint_bias_acceleration(motion, &mut bias).expect("fits");
+        interpreter.constraint_jacobian_dot_qd(motion, &mut bias).expect("fits");
         let expected: Vec<f64> = bias.iter().flat_map(Twist::components).collect();
-        let graph = optimize(tracer.evaluation(Function::ConstraintBiasAcceleration, model, None));
+        let graph = optimize(tracer.evaluation(Function::ConstraintJacobianDotQd, model, None));
         assert_near(&graph.evaluate(&[&*state.q, &state.qd].concat()), &expected, 1e-11);
 
         let (mut inverse, mut inertia) = (vec![0.0; rows * rows], vec![0.0; rows * rows]);
-        let into = OperationalInertiaOutputs { inverse: &mut inverse, inertia: &mut inertia };
-        let rank = interpreter.operational_inertia(&state.q, active, settings, into).expect("fits");
-        let graph = optimize(tracer.operational_inertia(&layout));
+        let into = OperationalSpaceInertiaOutputs { inverse: &mut inverse, inertia: &mut inertia };
+        let rank =
+            interpreter.operational_space_inertia(&state.q, active, settings, into).expect("fits");
+        let graph = optimize(tracer.operational_space_inertia(&layout));
         let found = graph.evaluate(&[&*state.q, &on, &numbers].concat());
         assert_near(&found, &[inverse, inertia, vec![rank]].concat(), 1e-7);
     });
@@ -1143,7 +1144,7 @@ fn contacts_of_equal_limbs_in_lanes_give_the_same() {
         let layout = UduLayout::new(&mechanism, &ModuleTree::chains(&model));
         let packed = Tracer::new(&mechanism).packed(&limbs);
         let dynamics = optimize(packed.constrained_forward_dynamics(&layout));
-        let impulse = optimize(packed.contact_impulse(&layout));
+        let impulse = optimize(packed.impact_dynamics(&layout));
         let projection = optimize(packed.project_constraints(&layout));
         for active in masks(&model, &mut random, 12) {
             let state = state(&model, &mut random);
@@ -1170,7 +1171,7 @@ fn contacts_of_equal_limbs_in_lanes_give_the_same() {
                 let motion = equations::State { q: &state.q, qd: &state.qd };
                 let (mut qd, mut impulses) = (vec![0.0; model.nv()], vec![Wrench::zero(); count]);
                 let into = ImpulseOutputs { qd: &mut qd, impulses: &mut impulses };
-                let rank = interpreter.contact_impulse(motion, &active, &settings, into);
+                let rank = interpreter.impact_dynamics(motion, &active, &settings, into);
                 let expected = [qd, components(&impulses), vec![rank.expect("fits")]].concat();
                 let inputs = [&*state.q, &state.qd, &switches(&active), &numbers(&settings)];
                 assert_near(&impulse.evaluate(&inputs.concat()), &expected, 1e-8);
@@ -1216,7 +1217,7 @@ fn operation_counts_are_as_frozen() {
             "constrained_forward_dynamics_derivatives of independent rows in lanes",
             derivatives(&tracer.column_lanes(COLUMN_LANES)),
         ),
-        ("contact_impulse in lanes", tracer.packed(&limbs).contact_impulse(&layout)),
+        ("impact_dynamics in lanes", tracer.packed(&limbs).impact_dynamics(&layout)),
         ("project_constraints in lanes", tracer.packed(&limbs).project_constraints(&layout)),
         (
             "constrained_forward_dynamics_derivatives",
@@ -1226,15 +1227,15 @@ fn operation_counts_are_as_frozen() {
             "constrained_forward_dynamics_derivatives in lanes",
             tracer.column_lanes(COLUMN_LANES).constrained_forward_dynamics_derivatives(&layout),
         ),
-        ("contact_impulse", tracer.contact_impulse(&layout)),
+        ("impact_dynamics", tracer.impact_dynamics(&layout)),
         ("constrained_inverse_dynamics", evaluation(Function::ConstrainedInverseDynamics)),
-        ("operational_inertia", tracer.operational_inertia(&layout)),
+        ("operational_space_inertia", tracer.operational_space_inertia(&layout)),
         (
-            "operational_inertia in lanes",
-            tracer.column_lanes(COLUMN_LANES).operational_inertia(&layout),
+            "operational_space_inertia in lanes",
+            tracer.column_lanes(COLUMN_LANES).operational_space_inertia(&layout),
         ),
         ("constraint_jacobian", evaluation(Function::ConstraintJacobian)),
-        ("constraint_bias_acceleration", evaluation(Function::ConstraintBiasAcceleration)),
+        ("constraint_jacobian_dot_qd", evaluation(Function::ConstraintJacobianDotQd)),
         ("constraint_residual", evaluation(Function::ConstraintResidual)),
         ("project_constraints", tracer.project_constraints(&layout)),
     ]
@@ -1246,16 +1247,16 @@ fn operation_counts_are_as_frozen() {
         ("constrained_forward_dynamics of independent rows in lanes", 3524),
         ("constrained_forward_dynamics_derivatives of independent rows", 64756),
         ("constrained_forward_dynamics_derivatives of independent rows in lanes", 29362),
-        ("contact_impulse in lanes", 4284),
+        ("impact_dynamics in lanes", 4284),
         ("project_constraints in lanes", 5260),
         ("constrained_forward_dynamics_derivatives", 70694),
         ("constrained_forward_dynamics_derivatives in lanes", 31772),
-        ("contact_impulse", 7297),
+        ("impact_dynamics", 7297),
         ("constrained_inverse_dynamics", 2111),
-        ("operational_inertia", 11061),
-        ("operational_inertia in lanes", 7533),
+        ("operational_space_inertia", 11061),
+        ("operational_space_inertia in lanes", 7533),
         ("constraint_jacobian", 400),
-        ("constraint_bias_acceleration", 424),
+        ("constraint_jacobian_dot_qd", 424),
         ("constraint_residual", 540),
         ("project_constraints", 8573),
     ];

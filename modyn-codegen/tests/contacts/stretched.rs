@@ -2,7 +2,7 @@
 
 use super::*;
 use modyn_runtime::equations::constraints::{
-    ConstrainedInverseOutputs, ImpulseOutputs, OperationalInertiaOutputs, ProjectionOutputs,
+    ConstrainedInverseOutputs, ImpulseOutputs, OperationalSpaceInertiaOutputs, ProjectionOutputs,
 };
 use modyn_runtime::equations::{self, Motion};
 
@@ -90,7 +90,7 @@ fn assert_all_finite(model: &Model, state: &State, settings: &Settings, rank: f6
     let mut wrenches = vec![Wrench::zero(); count];
     let motion = equations::State { q: &state.q, qd: &state.qd };
     let into = ImpulseOutputs { qd: &mut a, impulses: &mut wrenches };
-    let found = interpreter.contact_impulse(motion, &active, settings, into).expect("fits");
+    let found = interpreter.impact_dynamics(motion, &active, settings, into).expect("fits");
     assert_eq!(found, rank);
     assert_finite(&[a.clone(), components(&wrenches)].concat());
     let into = ProjectionOutputs { dq: &mut a, dqd: &mut b };
@@ -101,8 +101,9 @@ fn assert_all_finite(model: &Model, state: &State, settings: &Settings, rank: f6
     interpreter.constrained_inverse_dynamics(motion, &active, settings, into).expect("fits");
     assert_finite(&[a, components(&wrenches)].concat());
     let (mut inverse, mut inertia) = (vec![0.0; rows * rows], vec![0.0; rows * rows]);
-    let into = OperationalInertiaOutputs { inverse: &mut inverse, inertia: &mut inertia };
-    let found = interpreter.operational_inertia(&state.q, &active, settings, into).expect("fits");
+    let into = OperationalSpaceInertiaOutputs { inverse: &mut inverse, inertia: &mut inertia };
+    let found =
+        interpreter.operational_space_inertia(&state.q, &active, settings, into).expect("fits");
     assert_eq!(found, rank);
     assert_finite(&[inverse, inertia].concat());
 }

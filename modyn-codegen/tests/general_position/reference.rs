@@ -147,7 +147,7 @@ impl<'a> Reference<'a> {
     }
 
     /// Returns the derivative of J qd by time at constant qd, by differences of sixth order.
-    fn bias_acceleration(&mut self, q: &[f64], qd: &[f64], constraint: usize) -> DVector<f64> {
+    fn jacobian_dot_qd(&mut self, q: &[f64], qd: &[f64], constraint: usize) -> DVector<f64> {
         let step = 1e-3;
         let mut sum = DVector::zeros(6);
         for (k, weight) in [(1.0, 45.0), (2.0, -9.0), (3.0, 1.0)] {
@@ -210,7 +210,7 @@ impl<'a> Reference<'a> {
         let mut scales = DVector::from_element(6 * loops, 1.0);
         for c in 0..loops {
             let own = self.jacobian(q, c);
-            let bias = self.bias_acceleration(q, qd, c);
+            let bias = self.jacobian_dot_qd(q, qd, c);
             let gamma = -(bias
                 + &own * &velocities * (2.0 * alpha)
                 + self.displacement(q, c) * beta.powi(2));

@@ -213,8 +213,8 @@ fn far_too_long_functions_are_refused_before_they_are_traced() {
     for function in [
         Function::ConstrainedForwardDynamics,
         Function::ProjectConstraints,
-        Function::ContactImpulse,
-        Function::OperationalInertia,
+        Function::ImpactDynamics,
+        Function::OperationalSpaceInertia,
         Function::ConstrainedForwardDynamicsDerivatives,
         Function::ConstrainedForwardDynamicsHessian,
     ] {

@@ -108,7 +108,7 @@ fn contacts() {
         contact("toe", ContactKind::Point, "front_left_foot", [0.0, 0.01, -0.02]),
         contact("heel", ContactKind::Point, "front_left_foot", [0.03, -0.01, 0.02]),
     ];
-    let functions = [Function::ConstrainedForwardDynamics, Function::ContactImpulse];
+    let functions = [Function::ConstrainedForwardDynamics, Function::ImpactDynamics];
     let builder = robot("quadruped").base(Base::Floating).contacts(feet).functions(functions);
     for planned in &builder.plan().expect("good").plan.functions {
         let (scalar, simd) = planned.kernels.straight().expect("one program");

@@ -583,7 +583,7 @@ class Robot:
         Arguments: `q`: (nq,).
         Result: a number. Several states have one more axis, the first.
         """
-    def forward_dynamics_external(
+    def forward_dynamics_external_local(
         self, q: ArrayLike, qd: ArrayLike, tau: ArrayLike, forces: ArrayLike, *, out: Array | None = None
     ) -> Array:
         """Returns the joint accelerations under `tau` and a wrench on each link (in the order of
@@ -593,13 +593,23 @@ class Robot:
         forces.
         Result: (nv,). Several states have one more axis, the first.
         """
-    def forward_dynamics_external_world(
+    def forward_dynamics_external(
         self, q: ArrayLike, qd: ArrayLike, tau: ArrayLike, forces: ArrayLike, *, out: Array | None = None
     ) -> Array:
         """Returns the joint accelerations under `tau` and a wrench on each link (in the order of
         `link_names`), at the link's origin in world axes.
 
         Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `forces`: (links, 6), moments before
+        forces.
+        Result: (nv,). Several states have one more axis, the first.
+        """
+    def inverse_dynamics_external_local(
+        self, q: ArrayLike, qd: ArrayLike, qdd: ArrayLike, forces: ArrayLike, *, out: Array | None = None
+    ) -> Array:
+        """Returns the joint forces of `qdd` under a wrench on each link (in the order of
+        `link_names`), at the link's origin in the link's own axes.
+
+        Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,); `forces`: (links, 6), moments before
         forces.
         Result: (nv,). Several states have one more axis, the first.
         """
@@ -607,23 +617,13 @@ class Robot:
         self, q: ArrayLike, qd: ArrayLike, qdd: ArrayLike, forces: ArrayLike, *, out: Array | None = None
     ) -> Array:
         """Returns the joint forces of `qdd` under a wrench on each link (in the order of
-        `link_names`), at the link's origin in the link's own axes.
-
-        Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,); `forces`: (links, 6), moments before
-        forces.
-        Result: (nv,). Several states have one more axis, the first.
-        """
-    def inverse_dynamics_external_world(
-        self, q: ArrayLike, qd: ArrayLike, qdd: ArrayLike, forces: ArrayLike, *, out: Array | None = None
-    ) -> Array:
-        """Returns the joint forces of `qdd` under a wrench on each link (in the order of
         `link_names`), at the link's origin in world axes.
 
         Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,); `forces`: (links, 6), moments before
         forces.
         Result: (nv,). Several states have one more axis, the first.
         """
-    def generalized_forces(
+    def generalized_forces_local(
         self, q: ArrayLike, forces: ArrayLike, *, out: GeneralizedForces | None = None
     ) -> GeneralizedForces:
         """Returns the generalized forces J^T f of a wrench on each link (in the order of
@@ -634,7 +634,7 @@ class Robot:
         Result: `GeneralizedForces`: `tau` (nv,), `dq` (nv, nv). Several states have one more axis,
         the first.
         """
-    def generalized_forces_world(
+    def generalized_forces(
         self, q: ArrayLike, forces: ArrayLike, *, out: GeneralizedForces | None = None
     ) -> GeneralizedForces:
         """Returns the generalized forces J^T f of a wrench on each link (in the order of
@@ -885,9 +885,9 @@ class Robot:
         `dq_dtau` (nv, nv), `rank` a number, moments before forces. Several states have one more
         axis, the first.
         """
-    def contact_impulse(
-        self, q: ArrayLike, qd: ArrayLike, contacts: ArrayLike | None = None, settings: ConstraintSettings | ArrayLike | None = None, *, out: ContactImpulse | None = None
-    ) -> ContactImpulse:
+    def impact_dynamics(
+        self, q: ArrayLike, qd: ArrayLike, contacts: ArrayLike | None = None, settings: ConstraintSettings | ArrayLike | None = None, *, out: ImpactDynamics | None = None
+    ) -> ImpactDynamics:
         """Returns the velocities after an impact that closes the loops and stops the active contacts
         relative to their targets at the same instant, the impulse of each constraint, and the
         number of independent constraint rows. Along its normal, a contact leaves with `restitution`
@@ -896,7 +896,7 @@ class Robot:
         Arguments: `q`: (nq,); `qd`: (nv,); `contacts`: the names of the active contacts, or
         (contacts,), 1 for each active one, else 0; by default all are; `settings`:
         `ConstraintSettings`, by default with the ground at z = 0 under all contacts.
-        Result: `ContactImpulse`: `qd` (nv,), `impulses` (constraints, 6), `rank` a number, moments
+        Result: `ImpactDynamics`: `qd` (nv,), `impulses` (constraints, 6), `rank` a number, moments
         before forces. Several states have one more axis, the first.
         """
     def step(
@@ -971,7 +971,7 @@ class Robot:
         Result: (constraints, 6, nv), angular before linear components. Several states have one more
         axis, the first.
         """
-    def constraint_bias_acceleration(
+    def constraint_jacobian_dot_qd(
         self, q: ArrayLike, qd: ArrayLike, *, out: Array | None = None
     ) -> Array:
         """Returns the bias acceleration of each constraint: the time derivative of
@@ -981,9 +981,9 @@ class Robot:
         Result: (constraints, 6), angular before linear components. Several states have one more
         axis, the first.
         """
-    def operational_inertia(
-        self, q: ArrayLike, contacts: ArrayLike | None = None, settings: ConstraintSettings | ArrayLike | None = None, *, out: OperationalInertia | None = None
-    ) -> OperationalInertia:
+    def operational_space_inertia(
+        self, q: ArrayLike, contacts: ArrayLike | None = None, settings: ConstraintSettings | ArrayLike | None = None, *, out: OperationalSpaceInertia | None = None
+    ) -> OperationalSpaceInertia:
         """Returns the operational-space inertia of the constraints, its inverse J M^-1 J^T with the
         mass matrix M, and the number of independent constraint rows. Each constraint has its
         constrained rotations, then its constrained displacements, of a contact in world axes. The
@@ -992,7 +992,7 @@ class Robot:
         Arguments: `q`: (nq,); `contacts`: the names of the active contacts, or (contacts,), 1 for
         each active one, else 0; by default all are; `settings`: `ConstraintSettings`, by default
         with the ground at z = 0 under all contacts.
-        Result: `OperationalInertia`: `inverse` (constraint rows, constraint rows), `inertia`
+        Result: `OperationalSpaceInertia`: `inverse` (constraint rows, constraint rows), `inertia`
         (constraint rows, constraint rows), `rank` a number. Several states have one more axis, the
         first.
         """
@@ -1109,7 +1109,7 @@ class Robot:
         Result: (6,), angular before linear components. Several states have one more axis, the
         first.
         """
-    def local_link_velocity(
+    def link_velocity_local(
         self, q: ArrayLike, qd: ArrayLike, link: str | int, *, out: Array | None = None
     ) -> Array:
         """Returns the velocity of a link's origin (m/s) and its angular velocity (rad/s), in the
@@ -1131,7 +1131,7 @@ class Robot:
         Result: (6,), angular before linear components. Several states have one more axis, the
         first.
         """
-    def local_link_acceleration(
+    def link_acceleration_local(
         self, q: ArrayLike, qd: ArrayLike, qdd: ArrayLike, link: str | int, *, out: Array | None = None
     ) -> Array:
         """Returns the classical acceleration of a link's origin (m/s^2) and its angular acceleration
@@ -1153,7 +1153,7 @@ class Robot:
         Result: (6, nv), angular before linear components. Several states have one more axis, the
         first.
         """
-    def local_jacobian(
+    def jacobian_local(
         self, q: ArrayLike, link: str | int, *, out: Array | None = None
     ) -> Array:
         """Returns the Jacobian of a link. Its product with `qd` is the velocity of the link at its
@@ -1166,7 +1166,7 @@ class Robot:
     def jacobian_time_derivative(
         self, q: ArrayLike, qd: ArrayLike, link: str | int, *, out: Array | None = None
     ) -> Array:
-        """Returns the time derivative of `jacobian`. Its product with `qd` is `bias_acceleration`.
+        """Returns the time derivative of `jacobian`. Its product with `qd` is `jacobian_dot_qd`.
         Computes the link's kinematic path only.
 
         Arguments: `q`: (nq,); `qd`: (nv,); `link`: the name of a link, or its index in
@@ -1174,18 +1174,18 @@ class Robot:
         Result: (6, nv), angular before linear components. Several states have one more axis, the
         first.
         """
-    def local_jacobian_time_derivative(
+    def jacobian_time_derivative_local(
         self, q: ArrayLike, qd: ArrayLike, link: str | int, *, out: Array | None = None
     ) -> Array:
-        """Returns the time derivative of `local_jacobian`. Its product with `qd` is
-        `local_bias_acceleration`. Computes the link's kinematic path only.
+        """Returns the time derivative of `jacobian_local`. Its product with `qd` is
+        `jacobian_dot_qd_local`. Computes the link's kinematic path only.
 
         Arguments: `q`: (nq,); `qd`: (nv,); `link`: the name of a link, or its index in
         `link_names`.
         Result: (6, nv), angular before linear components. Several states have one more axis, the
         first.
         """
-    def bias_acceleration(
+    def jacobian_dot_qd(
         self, q: ArrayLike, qd: ArrayLike, link: str | int, *, out: Array | None = None
     ) -> Array:
         """Returns the bias acceleration of a link in world axes: the time derivative of `jacobian`
@@ -1197,11 +1197,11 @@ class Robot:
         Result: (6,), angular before linear components. Several states have one more axis, the
         first.
         """
-    def local_bias_acceleration(
+    def jacobian_dot_qd_local(
         self, q: ArrayLike, qd: ArrayLike, link: str | int, *, out: Array | None = None
     ) -> Array:
         """Returns the bias acceleration of a link in its own axes: the time derivative of
-        `local_jacobian` times `qd`. Computes the link's kinematic path only.
+        `jacobian_local` times `qd`. Computes the link's kinematic path only.
 
         Arguments: `q`: (nq,); `qd`: (nv,); `link`: the name of a link, or its index in
         `link_names`.

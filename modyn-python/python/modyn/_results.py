@@ -18,19 +18,19 @@ __all__ = [
     "ConstrainedInverseDynamics",
     "ConstraintProjection",
     "ConstraintResidual",
-    "ContactImpulse",
     "DifferenceDerivatives",
     "ForwardDynamicsDerivatives",
     "ForwardDynamicsHessian",
     "ForwardDynamicsJvp",
     "ForwardDynamicsVjp",
     "GeneralizedForces",
+    "ImpactDynamics",
     "IntegrateDerivatives",
     "InverseDynamicsDerivatives",
     "InverseDynamicsHessian",
     "InverseDynamicsJvp",
     "InverseDynamicsVjp",
-    "OperationalInertia",
+    "OperationalSpaceInertia",
     "Pose",
     "Step",
     "StepDerivatives",
@@ -174,17 +174,6 @@ class ConstraintResidual(NamedTuple):
     """(constraints, 6)"""
 
 
-class ContactImpulse(NamedTuple):
-    """The result of `contact_impulse`."""
-
-    qd: NDArray[Any]
-    """(nv,)"""
-    impulses: NDArray[Any]
-    """(constraints, 6)"""
-    rank: NDArray[Any]
-    """a number"""
-
-
 class DifferenceDerivatives(NamedTuple):
     """The result of `difference_derivatives`."""
 
@@ -251,12 +240,23 @@ class ForwardDynamicsVjp(NamedTuple):
 
 
 class GeneralizedForces(NamedTuple):
-    """The result of `generalized_forces`, `generalized_forces_world`."""
+    """The result of `generalized_forces_local`, `generalized_forces`."""
 
     tau: NDArray[Any]
     """(nv,)"""
     dq: NDArray[Any]
     """(nv, nv)"""
+
+
+class ImpactDynamics(NamedTuple):
+    """The result of `impact_dynamics`."""
+
+    qd: NDArray[Any]
+    """(nv,)"""
+    impulses: NDArray[Any]
+    """(constraints, 6)"""
+    rank: NDArray[Any]
+    """a number"""
 
 
 class IntegrateDerivatives(NamedTuple):
@@ -320,8 +320,8 @@ class InverseDynamicsVjp(NamedTuple):
     """(nv,)"""
 
 
-class OperationalInertia(NamedTuple):
-    """The result of `operational_inertia`."""
+class OperationalSpaceInertia(NamedTuple):
+    """The result of `operational_space_inertia`."""
 
     inverse: NDArray[Any]
     """(constraint rows, constraint rows)"""

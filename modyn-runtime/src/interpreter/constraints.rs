@@ -8,7 +8,7 @@ use crate::equations::brge::UduLayout;
 pub use crate::equations::constraints::ConstrainedDerivatives;
 use crate::equations::constraints::{
     ConstrainedInverseOutputs, ConstrainedOutputs, ConstraintInput, ConstraintWorkspaces,
-    ImpulseOutputs, OperationalInertiaOutputs, ProjectionOutputs, ResidualOutputs,
+    ImpulseOutputs, OperationalSpaceInertiaOutputs, ProjectionOutputs, ResidualOutputs,
 };
 use crate::equations::{ConstraintWorkspace, ForwardInput, Motion, State, constraints};
 use crate::mechanism::Mechanism;
@@ -158,7 +158,7 @@ impl<S: Scalar> Interpreter<S> {
     /// # Errors
     ///
     /// If a slice does not have the model's length.
-    pub fn contact_impulse(
+    pub fn impact_dynamics(
         &mut self,
         state: State<'_, S>,
         active: &[bool],
@@ -225,7 +225,7 @@ impl<S: Scalar> Interpreter<S> {
     /// # Errors
     ///
     /// If a slice does not have the model's length.
-    pub fn constraint_bias_acceleration(
+    pub fn constraint_jacobian_dot_qd(
         &mut self,
         state: State<'_, S>,
         accelerations: &mut [Twist<S>],
@@ -233,7 +233,7 @@ impl<S: Scalar> Interpreter<S> {
         self.check_state(state)?;
         check("accelerations", accelerations, self.model.constraints())?;
         let Self { mechanism, workspace, .. } = self;
-        constraints::constraint_bias_acceleration(mechanism, state, workspace, accelerations);
+        constraints::constraint_jacobian_dot_qd(mechanism, state, workspace, accelerations);
         Ok(())
     }
 
@@ -250,12 +250,12 @@ impl<S: Scalar> Interpreter<S> {
     /// # Errors
     ///
     /// If a slice does not have the model's length.
-    pub fn operational_inertia(
+    pub fn operational_space_inertia(
         &mut self,
         q: &[S],
         active: &[bool],
         settings: &ConstraintSettings<S, impl AsRef<[ContactTarget<S>]>>,
-        outputs: OperationalInertiaOutputs<'_, S>,
+        outputs: OperationalSpaceInertiaOutputs<'_, S>,
     ) -> Result<S, ShapeError> {
         let rows = self.model.constraint_rows();
         self.check_coordinates(q)?;
@@ -348,7 +348,7 @@ impl<S: Scalar> Interpreter<S> {
     ) -> S {
         let Constraints { mechanism, layout, active, workspaces } = self.constraints();
         let constraints = ConstraintInput { active, settings };
-        constraints::contact_impulse(mechanism, layout, state, constraints, workspaces, outputs)
+        constraints::impact_dynamics(mechanism, layout, state, constraints, workspaces, outputs)
     }
 
     pub(crate) fn solve_torques(
@@ -372,11 +372,18 @@ impl<S: Scalar> Interpreter<S> {
         &mut self,
         q: &[S],
         settings: &ConstraintSettings<S, impl AsRef<[ContactTarget<S>]>>,
-        outputs: OperationalInertiaOutputs<'_, S>,
+        outputs: OperationalSpaceInertiaOutputs<'_, S>,
     ) -> S {
         let Constraints { mechanism, layout, active, workspaces } = self.constraints();
         let constraints = ConstraintInput { active, settings };
-        constraints::operational_inertia(mechanism, layout, q, constraints, workspaces, outputs)
+        constraints::operational_space_inertia(
+            mechanism,
+            layout,
+            q,
+            constraints,
+            workspaces,
+            outputs,
+        )
     }
 
     pub(crate) fn solve_derivatives(

@@ -79,7 +79,7 @@ impl<S: Scalar> Interpreter<S> {
     /// # Errors
     ///
     /// If there is no such link, or if a slice does not have the model's length.
-    pub fn local_link_velocity(
+    pub fn link_velocity_local(
         &mut self,
         q: &[S],
         qd: &[S],
@@ -122,7 +122,7 @@ impl<S: Scalar> Interpreter<S> {
     /// # Errors
     ///
     /// If there is no such link, or if a slice does not have the model's length.
-    pub fn local_link_acceleration(
+    pub fn link_acceleration_local(
         &mut self,
         q: &[S],
         qd: &[S],
@@ -173,12 +173,12 @@ impl<S: Scalar> Interpreter<S> {
     }
 
     /// Computes the Jacobian J of a link into `columns` (nv), at the link's origin in the link's
-    /// own axes (Pinocchio's `LOCAL`). J qd is the link's [velocity](Self::local_link_velocity).
+    /// own axes (Pinocchio's `LOCAL`). J qd is the link's [velocity](Self::link_velocity_local).
     ///
     /// # Errors
     ///
     /// If there is no such link, or if a slice does not have the model's length.
-    pub fn local_jacobian(
+    pub fn jacobian_local(
         &mut self,
         q: &[S],
         frame: usize,
@@ -204,7 +204,7 @@ impl<S: Scalar> Interpreter<S> {
 
     /// Computes the time derivative dJ/dt of a link's [`jacobian`](Self::jacobian) J, in world
     /// axes, a column for each entry of qd: dJ/dt qd is
-    /// [`bias_acceleration`](Self::bias_acceleration).
+    /// [`jacobian_dot_qd`](Self::jacobian_dot_qd).
     ///
     /// # Errors
     ///
@@ -219,14 +219,14 @@ impl<S: Scalar> Interpreter<S> {
         self.jacobian_time_derivative_in(State { q, qd }, frame, Axes::World, columns)
     }
 
-    /// Computes the time derivative dJ/dt of a link's [`local_jacobian`](Self::local_jacobian) J,
+    /// Computes the time derivative dJ/dt of a link's [`jacobian_local`](Self::jacobian_local) J,
     /// in the link's own axes, a column for each entry of qd: dJ/dt qd is
-    /// [`local_bias_acceleration`](Self::local_bias_acceleration).
+    /// [`jacobian_dot_qd_local`](Self::jacobian_dot_qd_local).
     ///
     /// # Errors
     ///
     /// If there is no such link, or if a slice does not have the model's length.
-    pub fn local_jacobian_time_derivative(
+    pub fn jacobian_time_derivative_local(
         &mut self,
         q: &[S],
         qd: &[S],
@@ -257,17 +257,17 @@ impl<S: Scalar> Interpreter<S> {
     /// # Errors
     ///
     /// If there is no such link, or if a slice does not have the model's length.
-    pub fn bias_acceleration(
+    pub fn jacobian_dot_qd(
         &mut self,
         q: &[S],
         qd: &[S],
         frame: usize,
     ) -> Result<Twist<S>, FrameError> {
-        self.bias_acceleration_in(q, qd, frame, Axes::World)
+        self.jacobian_dot_qd_in(q, qd, frame, Axes::World)
     }
 
     /// Returns the bias acceleration dJ/dt qd of a link in its own axes: the time derivative of the
-    /// components of [`local_link_velocity`](Self::local_link_velocity) at constant qd.
+    /// components of [`link_velocity_local`](Self::link_velocity_local) at constant qd.
     ///
     /// Its linear part is the classical acceleration in these axes minus the cross product of the
     /// angular and the linear velocity.
@@ -275,16 +275,16 @@ impl<S: Scalar> Interpreter<S> {
     /// # Errors
     ///
     /// If there is no such link, or if a slice does not have the model's length.
-    pub fn local_bias_acceleration(
+    pub fn jacobian_dot_qd_local(
         &mut self,
         q: &[S],
         qd: &[S],
         frame: usize,
     ) -> Result<Twist<S>, FrameError> {
-        self.bias_acceleration_in(q, qd, frame, Axes::Link)
+        self.jacobian_dot_qd_in(q, qd, frame, Axes::Link)
     }
 
-    fn bias_acceleration_in(
+    fn jacobian_dot_qd_in(
         &mut self,
         q: &[S],
         qd: &[S],
@@ -293,7 +293,7 @@ impl<S: Scalar> Interpreter<S> {
     ) -> Result<Twist<S>, FrameError> {
         self.check_link_state(frame, State { q, qd })?;
         let Self { mechanism, workspace, .. } = self;
-        Ok(kinematics::bias_acceleration(mechanism, frame, State { q, qd }, axes, workspace))
+        Ok(kinematics::jacobian_dot_qd(mechanism, frame, State { q, qd }, axes, workspace))
     }
 }
 

@@ -189,7 +189,7 @@ impl Mobilities {
         }
         let center = robot.model.frames()[link].inertial.center_of_mass.map(Portable);
         let mut twists = vec![Twist::zero(); robot.model.nv()];
-        robot.local_jacobian(q, link, &mut twists).expect(LENGTHS);
+        robot.jacobian_local(q, link, &mut twists).expect(LENGTHS);
         let mean = |part: &dyn Fn(&Twist<Portable>) -> Vector3<Portable>| {
             let axis = |k: usize| -> f64 {
                 let row: Vec<Portable> = twists.iter().map(|twist| part(twist).0[k]).collect();

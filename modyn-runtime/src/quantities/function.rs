@@ -34,24 +34,24 @@ pub enum Function {
     PotentialEnergy,
     /// Returns the joint accelerations under `tau` and a wrench on each link (in the order of `LINK_NAMES`),
     /// at the link's origin in the link's own axes.
-    ForwardDynamicsExternal,
+    ForwardDynamicsExternalLocal,
     /// Returns the joint accelerations under `tau` and a wrench on each link (in the order of `LINK_NAMES`),
     /// at the link's origin in world axes.
-    ForwardDynamicsExternalWorld,
+    ForwardDynamicsExternal,
     /// Returns the joint forces of `qdd` under a wrench on each link (in the order of `LINK_NAMES`), at the
     /// link's origin in the link's own axes.
-    InverseDynamicsExternal,
+    InverseDynamicsExternalLocal,
     /// Returns the joint forces of `qdd` under a wrench on each link (in the order of `LINK_NAMES`), at the
     /// link's origin in world axes.
-    InverseDynamicsExternalWorld,
+    InverseDynamicsExternal,
     /// Returns the generalized forces J^T f of a wrench on each link (in the order of `LINK_NAMES`), at the link's
     /// origin in the link's own axes, and their derivative with respect to `q` (in tangent space), an array of
     /// columns. The wrenches rotate with their links.
-    GeneralizedForces,
+    GeneralizedForcesLocal,
     /// Returns the generalized forces J^T f of a wrench on each link (in the order of `LINK_NAMES`), at the link's
     /// origin in world axes, and their derivative with respect to `q` (in tangent space), an array of columns. The
     /// wrenches keep their directions.
-    GeneralizedForcesWorld,
+    GeneralizedForces,
     /// Returns the derivatives of inverse dynamics with respect to `q` (in tangent space) and `qd`, each an
     /// array of columns. The derivative with respect to `qdd` is the mass matrix.
     InverseDynamicsDerivatives,
@@ -133,7 +133,7 @@ pub enum Function {
     /// their targets at the same instant, the impulse of each constraint, and the number of independent
     /// constraint rows. Along its normal, a contact leaves with `restitution` times the speed before the
     /// impact. The settings `alpha` and `beta` have no effect.
-    ContactImpulse,
+    ImpactDynamics,
     /// Returns the state after a step of the time `dt` (s) under the joint forces `tau`, with contacts, joint limits, dry
     /// joint friction and closed loops by MuJoCo's law: soft constraints whose forces minimize a convex function. The solver is Newton's
     /// method, to the tolerance of `step_settings`; `residual` says how far it came, relative to the largest force. It
@@ -160,12 +160,12 @@ pub enum Function {
     ConstraintJacobian,
     /// Returns the bias acceleration of each constraint: the time derivative of `constraint_jacobian` times
     /// `qd`, in the same axes.
-    ConstraintBiasAcceleration,
+    ConstraintJacobianDotQd,
     /// Returns the operational-space inertia of the constraints, its inverse J M^-1 J^T with the mass matrix M,
     /// and the number of independent constraint rows. Both matrices are arrays of columns; each constraint has
     /// its constrained rotations, then its constrained displacements, of a contact in world axes. The entries
     /// of inactive contacts are zero. The inverse contains the compliance.
-    OperationalInertia,
+    OperationalSpaceInertia,
     /// Returns the regressor Y of inverse dynamics, an array of columns: tau = Y pi, without rotors and
     /// friction. pi has ten entries for each moving link: mass, mass times centre of mass x, y, z, and
     /// Ixx, Ixy, Ixz, Iyy, Iyz, Izz about the link's origin in the link's own axes (`PARAMETERS`).
@@ -202,31 +202,31 @@ pub enum Function {
     LinkVelocity,
     /// Returns the velocity of a link's origin (m/s) and its angular velocity (rad/s), in the link's own axes.
     /// Computes the link's kinematic path only.
-    LocalLinkVelocity,
+    LinkVelocityLocal,
     /// Returns the classical acceleration of a link's origin (m/s^2) and its angular acceleration (rad/s^2), in
     /// world axes. Gravity is not included. Computes the link's kinematic path only.
     LinkAcceleration,
     /// Returns the classical acceleration of a link's origin (m/s^2) and its angular acceleration (rad/s^2), in
     /// the link's own axes. Gravity is not included. Computes the link's kinematic path only.
-    LocalLinkAcceleration,
+    LinkAccelerationLocal,
     /// Returns the Jacobian of a link, an array of columns. Its product with `qd` is the velocity of the link
     /// at its origin, in world axes. Computes the link's kinematic path only.
     Jacobian,
     /// Returns the Jacobian of a link, an array of columns. Its product with `qd` is the velocity of the link
     /// at its origin, in the link's own axes. Computes the link's kinematic path only.
-    LocalJacobian,
-    /// Returns the time derivative of `jacobian`, an array of columns. Its product with `qd` is `bias_acceleration`.
+    JacobianLocal,
+    /// Returns the time derivative of `jacobian`, an array of columns. Its product with `qd` is `jacobian_dot_qd`.
     /// Computes the link's kinematic path only.
     JacobianTimeDerivative,
-    /// Returns the time derivative of `local_jacobian`, an array of columns. Its product with `qd` is
-    /// `local_bias_acceleration`. Computes the link's kinematic path only.
-    LocalJacobianTimeDerivative,
+    /// Returns the time derivative of `jacobian_local`, an array of columns. Its product with `qd` is
+    /// `jacobian_dot_qd_local`. Computes the link's kinematic path only.
+    JacobianTimeDerivativeLocal,
     /// Returns the bias acceleration of a link in world axes: the time derivative of `jacobian` times `qd`, which
     /// is the link's acceleration at zero joint accelerations. Computes the link's kinematic path only.
-    BiasAcceleration,
-    /// Returns the bias acceleration of a link in its own axes: the time derivative of `local_jacobian` times
+    JacobianDotQd,
+    /// Returns the bias acceleration of a link in its own axes: the time derivative of `jacobian_local` times
     /// `qd`. Computes the link's kinematic path only.
-    LocalBiasAcceleration,
+    JacobianDotQdLocal,
     /// Returns the coordinates after the displacement `v` (a velocity times a time) from `q`.
     Integrate,
     /// Returns the displacement `v` with which `integrate` leads from `from` to `to`. Rotations are the shortest
@@ -277,17 +277,17 @@ pub enum Function {
     ProjectConstraintsBatch,
     /// `constrained_forward_dynamics_derivatives` of many states at a time.
     ConstrainedForwardDynamicsDerivativesBatch,
-    /// `contact_impulse` of many states at a time.
-    ContactImpulseBatch,
+    /// `impact_dynamics` of many states at a time.
+    ImpactDynamicsBatch,
     /// `actuate` of many states at a time.
     ActuateBatch,
     /// `constrained_inverse_dynamics` of many states at a time.
     ConstrainedInverseDynamicsBatch,
     /// `constraint_jacobian` of many states at a time.
     ConstraintJacobianBatch,
-    /// `constraint_bias_acceleration` of many states at a time.
-    ConstraintBiasAccelerationBatch,
-    /// `operational_inertia` of many states at a time.
-    OperationalInertiaBatch,
+    /// `constraint_jacobian_dot_qd` of many states at a time.
+    ConstraintJacobianDotQdBatch,
+    /// `operational_space_inertia` of many states at a time.
+    OperationalSpaceInertiaBatch,
     // <!-- end -->
 }

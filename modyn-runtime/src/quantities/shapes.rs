@@ -183,10 +183,10 @@ pub fn constrained_hessian(s: &Sizes) -> Shape {
     named_fields("ConstrainedForwardDynamicsHessian", fields)
 }
 
-pub fn contact_impulse(s: &Sizes) -> Shape {
+pub fn impact_dynamics(s: &Sizes) -> Shape {
     let impulses = Shape::wrench().array(s.constraints);
     let fields = vec![("qd", velocities(s)), ("impulses", impulses), ("rank", Shape::Scalar)];
-    named_fields("ContactImpulse", fields)
+    named_fields("ImpactDynamics", fields)
 }
 
 pub fn step_solution(s: &Sizes) -> Shape {
@@ -222,10 +222,10 @@ pub fn constraint_twists(s: &Sizes) -> Shape {
     Shape::twist().array(s.constraints)
 }
 
-pub fn operational_inertia(s: &Sizes) -> Shape {
+pub fn operational_space_inertia(s: &Sizes) -> Shape {
     let matrix = || Shape::matrix(s.constraint_rows, s.constraint_rows);
     let fields = vec![("inverse", matrix()), ("inertia", matrix()), ("rank", Shape::Scalar)];
-    named_fields("OperationalInertia", fields)
+    named_fields("OperationalSpaceInertia", fields)
 }
 
 pub fn constraint_projection(s: &Sizes) -> Shape {

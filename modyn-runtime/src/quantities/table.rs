@@ -150,8 +150,8 @@ pub const ROWS: &[Row] = &[
         ..Row::INERTIAL
     },
     Row {
-        function: Function::ForwardDynamicsExternal,
-        name: "forward_dynamics_external",
+        function: Function::ForwardDynamicsExternalLocal,
+        name: "forward_dynamics_external_local",
         arguments: &[Q, QD, TAU, FORCES],
         result: shapes::velocities,
         result_name: Some("qdd"),
@@ -162,14 +162,26 @@ pub const ROWS: &[Row] = &[
         ..Row::INERTIAL
     },
     Row {
-        function: Function::ForwardDynamicsExternalWorld,
-        name: "forward_dynamics_external_world",
+        function: Function::ForwardDynamicsExternal,
+        name: "forward_dynamics_external",
         arguments: &[Q, QD, TAU, FORCES],
         result: shapes::velocities,
         result_name: Some("qdd"),
         docs: "Returns the joint accelerations under `tau` and a wrench on each link (in the order \
             of `LINK_NAMES`),\n\
             at the link's origin in world axes.",
+        casadi: true,
+        ..Row::INERTIAL
+    },
+    Row {
+        function: Function::InverseDynamicsExternalLocal,
+        name: "inverse_dynamics_external_local",
+        arguments: &[Q, QD, QDD, FORCES],
+        result: shapes::velocities,
+        result_name: Some("tau"),
+        docs: "Returns the joint forces of `qdd` under a wrench on each link (in the order of \
+            `LINK_NAMES`), at the\n\
+            link's origin in the link's own axes.",
         casadi: true,
         ..Row::INERTIAL
     },
@@ -181,25 +193,13 @@ pub const ROWS: &[Row] = &[
         result_name: Some("tau"),
         docs: "Returns the joint forces of `qdd` under a wrench on each link (in the order of \
             `LINK_NAMES`), at the\n\
-            link's origin in the link's own axes.",
-        casadi: true,
-        ..Row::INERTIAL
-    },
-    Row {
-        function: Function::InverseDynamicsExternalWorld,
-        name: "inverse_dynamics_external_world",
-        arguments: &[Q, QD, QDD, FORCES],
-        result: shapes::velocities,
-        result_name: Some("tau"),
-        docs: "Returns the joint forces of `qdd` under a wrench on each link (in the order of \
-            `LINK_NAMES`), at the\n\
             link's origin in world axes.",
         casadi: true,
         ..Row::INERTIAL
     },
     Row {
-        function: Function::GeneralizedForces,
-        name: "generalized_forces",
+        function: Function::GeneralizedForcesLocal,
+        name: "generalized_forces_local",
         arguments: &[Q, FORCES],
         result: shapes::generalized_forces,
         docs: "Returns the generalized forces J^T f of a wrench on each link (in the order of \
@@ -210,8 +210,8 @@ pub const ROWS: &[Row] = &[
         ..Row::GEOMETRIC
     },
     Row {
-        function: Function::GeneralizedForcesWorld,
-        name: "generalized_forces_world",
+        function: Function::GeneralizedForces,
+        name: "generalized_forces",
         arguments: &[Q, FORCES],
         result: shapes::generalized_forces,
         docs: "Returns the generalized forces J^T f of a wrench on each link (in the order of \
@@ -483,11 +483,11 @@ pub const ROWS: &[Row] = &[
         ..Row::CONSTRAINED
     },
     Row {
-        function: Function::ContactImpulse,
-        name: "contact_impulse",
+        function: Function::ImpactDynamics,
+        name: "impact_dynamics",
         known_as: &["impact dynamics", "pin.impulseDynamics"],
         arguments: &[Q, QD, CONTACTS, SETTINGS],
-        result: shapes::contact_impulse,
+        result: shapes::impact_dynamics,
         docs: "Returns the velocities after an impact that closes the loops and stops the active \
             contacts relative to\n\
             their targets at the same instant, the impulse of each constraint, and the number of \
@@ -495,7 +495,7 @@ pub const ROWS: &[Row] = &[
             constraint rows. Along its normal, a contact leaves with `restitution` times the speed \
             before the\n\
             impact. The settings `alpha` and `beta` have no effect.",
-        batch: Some(Function::ContactImpulseBatch),
+        batch: Some(Function::ImpactDynamicsBatch),
         ..Row::CONSTRAINED
     },
     Row {
@@ -581,23 +581,23 @@ pub const ROWS: &[Row] = &[
         ..Row::GEOMETRIC
     },
     Row {
-        function: Function::ConstraintBiasAcceleration,
-        name: "constraint_bias_acceleration",
+        function: Function::ConstraintJacobianDotQd,
+        name: "constraint_jacobian_dot_qd",
         arguments: &[Q, QD],
         result: shapes::constraint_twists,
         docs: "Returns the bias acceleration of each constraint: the time derivative of \
             `constraint_jacobian` times\n\
             `qd`, in the same axes.",
         of_constraints: true,
-        batch: Some(Function::ConstraintBiasAccelerationBatch),
+        batch: Some(Function::ConstraintJacobianDotQdBatch),
         ..Row::GEOMETRIC
     },
     Row {
-        function: Function::OperationalInertia,
-        name: "operational_inertia",
+        function: Function::OperationalSpaceInertia,
+        name: "operational_space_inertia",
         known_as: &["operational-space inertia", "Delassus matrix"],
         arguments: &[Q, CONTACTS, SETTINGS],
-        result: shapes::operational_inertia,
+        result: shapes::operational_space_inertia,
         docs: "Returns the operational-space inertia of the constraints, its inverse J M^-1 J^T \
             with the mass matrix M,\n\
             and the number of independent constraint rows. Both matrices are arrays of columns; \
@@ -605,7 +605,7 @@ pub const ROWS: &[Row] = &[
             its constrained rotations, then its constrained displacements, of a contact in world \
             axes. The entries\n\
             of inactive contacts are zero. The inverse contains the compliance.",
-        batch: Some(Function::OperationalInertiaBatch),
+        batch: Some(Function::OperationalSpaceInertiaBatch),
         ..Row::CONSTRAINED
     },
     Row {
@@ -758,8 +758,8 @@ pub const ROWS: &[Row] = &[
         ..Row::GEOMETRIC
     },
     Row {
-        function: Function::LocalLinkVelocity,
-        name: "local_link_velocity",
+        function: Function::LinkVelocityLocal,
+        name: "link_velocity_local",
         arguments: &[Q, QD],
         by_link: true,
         result: shapes::twist,
@@ -785,8 +785,8 @@ pub const ROWS: &[Row] = &[
         ..Row::GEOMETRIC
     },
     Row {
-        function: Function::LocalLinkAcceleration,
-        name: "local_link_acceleration",
+        function: Function::LinkAccelerationLocal,
+        name: "link_acceleration_local",
         arguments: &[Q, QD, QDD],
         by_link: true,
         result: shapes::twist,
@@ -812,8 +812,8 @@ pub const ROWS: &[Row] = &[
         ..Row::GEOMETRIC
     },
     Row {
-        function: Function::LocalJacobian,
-        name: "local_jacobian",
+        function: Function::JacobianLocal,
+        name: "jacobian_local",
         arguments: &[Q],
         by_link: true,
         result: shapes::twists,
@@ -832,24 +832,24 @@ pub const ROWS: &[Row] = &[
         by_link: true,
         result: shapes::twists,
         docs: "Returns the time derivative of `jacobian`, an array of columns. Its product with \
-            `qd` is `bias_acceleration`.\n\
+            `qd` is `jacobian_dot_qd`.\n\
             Computes the link's kinematic path only.",
         ..Row::GEOMETRIC
     },
     Row {
-        function: Function::LocalJacobianTimeDerivative,
-        name: "local_jacobian_time_derivative",
+        function: Function::JacobianTimeDerivativeLocal,
+        name: "jacobian_time_derivative_local",
         arguments: &[Q, QD],
         by_link: true,
         result: shapes::twists,
-        docs: "Returns the time derivative of `local_jacobian`, an array of columns. Its product \
+        docs: "Returns the time derivative of `jacobian_local`, an array of columns. Its product \
             with `qd` is\n\
-            `local_bias_acceleration`. Computes the link's kinematic path only.",
+            `jacobian_dot_qd_local`. Computes the link's kinematic path only.",
         ..Row::GEOMETRIC
     },
     Row {
-        function: Function::BiasAcceleration,
-        name: "bias_acceleration",
+        function: Function::JacobianDotQd,
+        name: "jacobian_dot_qd",
         known_as: &["Jdot qd", "drift acceleration"],
         arguments: &[Q, QD],
         by_link: true,
@@ -863,14 +863,14 @@ pub const ROWS: &[Row] = &[
         ..Row::GEOMETRIC
     },
     Row {
-        function: Function::LocalBiasAcceleration,
-        name: "local_bias_acceleration",
+        function: Function::JacobianDotQdLocal,
+        name: "jacobian_dot_qd_local",
         arguments: &[Q, QD],
         by_link: true,
         result: shapes::twist,
         result_name: Some("acceleration"),
         docs: "Returns the bias acceleration of a link in its own axes: the time derivative of \
-            `local_jacobian` times\n\
+            `jacobian_local` times\n\
             `qd`. Computes the link's kinematic path only.",
         casadi: true,
         ..Row::GEOMETRIC

@@ -13,10 +13,10 @@ use crate::functions::{self, not_generated};
 use crate::results::{
     ActuatedStep, ActuatorForces, CentroidalMomentumDerivatives, ConstrainedForwardDynamics,
     ConstrainedForwardDynamicsDerivatives, ConstrainedForwardDynamicsHessian,
-    ConstrainedInverseDynamics, ConstraintProjection, ConstraintResidual, ContactImpulse,
-    DifferenceDerivatives, ForwardDynamicsDerivatives, ForwardDynamicsHessian, ForwardDynamicsJvp,
-    ForwardDynamicsVjp, GeneralizedForces, IntegrateDerivatives, InverseDynamicsDerivatives,
-    InverseDynamicsHessian, InverseDynamicsJvp, InverseDynamicsVjp, OperationalInertia, Step,
+    ConstrainedInverseDynamics, ConstraintProjection, ConstraintResidual, DifferenceDerivatives,
+    ForwardDynamicsDerivatives, ForwardDynamicsHessian, ForwardDynamicsJvp, ForwardDynamicsVjp,
+    GeneralizedForces, ImpactDynamics, IntegrateDerivatives, InverseDynamicsDerivatives,
+    InverseDynamicsHessian, InverseDynamicsJvp, InverseDynamicsVjp, OperationalSpaceInertia, Step,
     StepDerivatives, StepHessian, StepSolution,
 };
 use crate::spatial::{Momentum, Pose, Twist, Vector3, Wrench};
@@ -369,6 +369,40 @@ pub trait Robot {
 
     /// Returns the joint accelerations under `tau` and a wrench on each link (in the order of `LINK_NAMES`),
     /// at the link's origin in the link's own axes.
+    fn forward_dynamics_external_local_with<T: Scalar>(
+        params: &Self::Params<T>,
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        tau: &Self::V<T>,
+        forces: &Self::PerLink<Wrench<T>>,
+    ) -> Self::V<T>
+    where
+        Self: functions::ForwardDynamicsExternalLocal,
+    {
+        const { not_generated() }
+    }
+
+    /// Calls [`forward_dynamics_external_local_with`](Self::forward_dynamics_external_local_with) with the default parameters.
+    fn forward_dynamics_external_local<T: Scalar>(
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        tau: &Self::V<T>,
+        forces: &Self::PerLink<Wrench<T>>,
+    ) -> Self::V<T>
+    where
+        Self: functions::ForwardDynamicsExternalLocal,
+    {
+        Self::forward_dynamics_external_local_with(
+            &Self::Params::<T>::default(),
+            q,
+            qd,
+            tau,
+            forces,
+        )
+    }
+
+    /// Returns the joint accelerations under `tau` and a wrench on each link (in the order of `LINK_NAMES`),
+    /// at the link's origin in world axes.
     fn forward_dynamics_external_with<T: Scalar>(
         params: &Self::Params<T>,
         q: &Self::Q<T>,
@@ -395,42 +429,42 @@ pub trait Robot {
         Self::forward_dynamics_external_with(&Self::Params::<T>::default(), q, qd, tau, forces)
     }
 
-    /// Returns the joint accelerations under `tau` and a wrench on each link (in the order of `LINK_NAMES`),
-    /// at the link's origin in world axes.
-    fn forward_dynamics_external_world_with<T: Scalar>(
+    /// Returns the joint forces of `qdd` under a wrench on each link (in the order of `LINK_NAMES`), at the
+    /// link's origin in the link's own axes.
+    fn inverse_dynamics_external_local_with<T: Scalar>(
         params: &Self::Params<T>,
         q: &Self::Q<T>,
         qd: &Self::V<T>,
-        tau: &Self::V<T>,
+        qdd: &Self::V<T>,
         forces: &Self::PerLink<Wrench<T>>,
     ) -> Self::V<T>
     where
-        Self: functions::ForwardDynamicsExternalWorld,
+        Self: functions::InverseDynamicsExternalLocal,
     {
         const { not_generated() }
     }
 
-    /// Calls [`forward_dynamics_external_world_with`](Self::forward_dynamics_external_world_with) with the default parameters.
-    fn forward_dynamics_external_world<T: Scalar>(
+    /// Calls [`inverse_dynamics_external_local_with`](Self::inverse_dynamics_external_local_with) with the default parameters.
+    fn inverse_dynamics_external_local<T: Scalar>(
         q: &Self::Q<T>,
         qd: &Self::V<T>,
-        tau: &Self::V<T>,
+        qdd: &Self::V<T>,
         forces: &Self::PerLink<Wrench<T>>,
     ) -> Self::V<T>
     where
-        Self: functions::ForwardDynamicsExternalWorld,
+        Self: functions::InverseDynamicsExternalLocal,
     {
-        Self::forward_dynamics_external_world_with(
+        Self::inverse_dynamics_external_local_with(
             &Self::Params::<T>::default(),
             q,
             qd,
-            tau,
+            qdd,
             forces,
         )
     }
 
     /// Returns the joint forces of `qdd` under a wrench on each link (in the order of `LINK_NAMES`), at the
-    /// link's origin in the link's own axes.
+    /// link's origin in world axes.
     fn inverse_dynamics_external_with<T: Scalar>(
         params: &Self::Params<T>,
         q: &Self::Q<T>,
@@ -457,49 +491,15 @@ pub trait Robot {
         Self::inverse_dynamics_external_with(&Self::Params::<T>::default(), q, qd, qdd, forces)
     }
 
-    /// Returns the joint forces of `qdd` under a wrench on each link (in the order of `LINK_NAMES`), at the
-    /// link's origin in world axes.
-    fn inverse_dynamics_external_world_with<T: Scalar>(
-        params: &Self::Params<T>,
-        q: &Self::Q<T>,
-        qd: &Self::V<T>,
-        qdd: &Self::V<T>,
-        forces: &Self::PerLink<Wrench<T>>,
-    ) -> Self::V<T>
-    where
-        Self: functions::InverseDynamicsExternalWorld,
-    {
-        const { not_generated() }
-    }
-
-    /// Calls [`inverse_dynamics_external_world_with`](Self::inverse_dynamics_external_world_with) with the default parameters.
-    fn inverse_dynamics_external_world<T: Scalar>(
-        q: &Self::Q<T>,
-        qd: &Self::V<T>,
-        qdd: &Self::V<T>,
-        forces: &Self::PerLink<Wrench<T>>,
-    ) -> Self::V<T>
-    where
-        Self: functions::InverseDynamicsExternalWorld,
-    {
-        Self::inverse_dynamics_external_world_with(
-            &Self::Params::<T>::default(),
-            q,
-            qd,
-            qdd,
-            forces,
-        )
-    }
-
     /// Returns the generalized forces J^T f of a wrench on each link (in the order of `LINK_NAMES`), at the link's
     /// origin in the link's own axes, and their derivative with respect to `q` (in tangent space), an array of
     /// columns. The wrenches rotate with their links.
-    fn generalized_forces<T: Scalar>(
+    fn generalized_forces_local<T: Scalar>(
         q: &Self::Q<T>,
         forces: &Self::PerLink<Wrench<T>>,
     ) -> GeneralizedForces<Self::V<T>, Self::M<T>>
     where
-        Self: functions::GeneralizedForces,
+        Self: functions::GeneralizedForcesLocal,
     {
         const { not_generated() }
     }
@@ -507,12 +507,12 @@ pub trait Robot {
     /// Returns the generalized forces J^T f of a wrench on each link (in the order of `LINK_NAMES`), at the link's
     /// origin in world axes, and their derivative with respect to `q` (in tangent space), an array of columns. The
     /// wrenches keep their directions.
-    fn generalized_forces_world<T: Scalar>(
+    fn generalized_forces<T: Scalar>(
         q: &Self::Q<T>,
         forces: &Self::PerLink<Wrench<T>>,
     ) -> GeneralizedForces<Self::V<T>, Self::M<T>>
     where
-        Self: functions::GeneralizedForcesWorld,
+        Self: functions::GeneralizedForces,
     {
         const { not_generated() }
     }
@@ -1209,32 +1209,32 @@ pub trait Robot {
     /// impact. The settings `alpha` and `beta` have no effect.
     #[doc(alias = "impact dynamics")]
     #[doc(alias = "pin.impulseDynamics")]
-    fn contact_impulse_with<T: Scalar>(
+    fn impact_dynamics_with<T: Scalar>(
         params: &Self::Params<T>,
         q: &Self::Q<T>,
         qd: &Self::V<T>,
         contacts: Self::Contacts,
         settings: &Settings<Self, T>,
-    ) -> ContactImpulse<Self::V<T>, Self::PerConstraint<Wrench<T>>, T>
+    ) -> ImpactDynamics<Self::V<T>, Self::PerConstraint<Wrench<T>>, T>
     where
-        Self: functions::ContactImpulse,
+        Self: functions::ImpactDynamics,
     {
         const { not_generated() }
     }
 
-    /// Calls [`contact_impulse_with`](Self::contact_impulse_with) with the default parameters.
+    /// Calls [`impact_dynamics_with`](Self::impact_dynamics_with) with the default parameters.
     #[doc(alias = "impact dynamics")]
     #[doc(alias = "pin.impulseDynamics")]
-    fn contact_impulse<T: Scalar>(
+    fn impact_dynamics<T: Scalar>(
         q: &Self::Q<T>,
         qd: &Self::V<T>,
         contacts: Self::Contacts,
         settings: &Settings<Self, T>,
-    ) -> ContactImpulse<Self::V<T>, Self::PerConstraint<Wrench<T>>, T>
+    ) -> ImpactDynamics<Self::V<T>, Self::PerConstraint<Wrench<T>>, T>
     where
-        Self: functions::ContactImpulse,
+        Self: functions::ImpactDynamics,
     {
-        Self::contact_impulse_with(&Self::Params::<T>::default(), q, qd, contacts, settings)
+        Self::impact_dynamics_with(&Self::Params::<T>::default(), q, qd, contacts, settings)
     }
 
     /// Returns the state after a step of the time `dt` (s) under the joint forces `tau`, with contacts, joint limits, dry
@@ -1410,12 +1410,12 @@ pub trait Robot {
 
     /// Returns the bias acceleration of each constraint: the time derivative of `constraint_jacobian` times
     /// `qd`, in the same axes.
-    fn constraint_bias_acceleration<T: Scalar>(
+    fn constraint_jacobian_dot_qd<T: Scalar>(
         q: &Self::Q<T>,
         qd: &Self::V<T>,
     ) -> Self::PerConstraint<Twist<T>>
     where
-        Self: functions::ConstraintBiasAcceleration,
+        Self: functions::ConstraintJacobianDotQd,
     {
         const { not_generated() }
     }
@@ -1426,30 +1426,30 @@ pub trait Robot {
     /// of inactive contacts are zero. The inverse contains the compliance.
     #[doc(alias = "operational-space inertia")]
     #[doc(alias = "Delassus matrix")]
-    fn operational_inertia_with<T: Scalar>(
+    fn operational_space_inertia_with<T: Scalar>(
         params: &Self::Params<T>,
         q: &Self::Q<T>,
         contacts: Self::Contacts,
         settings: &Settings<Self, T>,
-    ) -> OperationalInertia<Self::PerConstraintRow<Self::PerConstraintRow<T>>, T>
+    ) -> OperationalSpaceInertia<Self::PerConstraintRow<Self::PerConstraintRow<T>>, T>
     where
-        Self: functions::OperationalInertia,
+        Self: functions::OperationalSpaceInertia,
     {
         const { not_generated() }
     }
 
-    /// Calls [`operational_inertia_with`](Self::operational_inertia_with) with the default parameters.
+    /// Calls [`operational_space_inertia_with`](Self::operational_space_inertia_with) with the default parameters.
     #[doc(alias = "operational-space inertia")]
     #[doc(alias = "Delassus matrix")]
-    fn operational_inertia<T: Scalar>(
+    fn operational_space_inertia<T: Scalar>(
         q: &Self::Q<T>,
         contacts: Self::Contacts,
         settings: &Settings<Self, T>,
-    ) -> OperationalInertia<Self::PerConstraintRow<Self::PerConstraintRow<T>>, T>
+    ) -> OperationalSpaceInertia<Self::PerConstraintRow<Self::PerConstraintRow<T>>, T>
     where
-        Self: functions::OperationalInertia,
+        Self: functions::OperationalSpaceInertia,
     {
-        Self::operational_inertia_with(&Self::Params::<T>::default(), q, contacts, settings)
+        Self::operational_space_inertia_with(&Self::Params::<T>::default(), q, contacts, settings)
     }
 
     /// Returns the regressor Y of inverse dynamics, an array of columns: tau = Y pi, without rotors and
@@ -1681,9 +1681,9 @@ pub trait Robot {
 
     /// Returns the velocity of a link's origin (m/s) and its angular velocity (rad/s), in the link's own axes.
     /// Computes the link's kinematic path only.
-    fn local_link_velocity<T: Scalar>(q: &Self::Q<T>, qd: &Self::V<T>, link: Self::Link) -> Twist<T>
+    fn link_velocity_local<T: Scalar>(q: &Self::Q<T>, qd: &Self::V<T>, link: Self::Link) -> Twist<T>
     where
-        Self: functions::LocalLinkVelocity,
+        Self: functions::LinkVelocityLocal,
     {
         const { not_generated() }
     }
@@ -1706,14 +1706,14 @@ pub trait Robot {
 
     /// Returns the classical acceleration of a link's origin (m/s^2) and its angular acceleration (rad/s^2), in
     /// the link's own axes. Gravity is not included. Computes the link's kinematic path only.
-    fn local_link_acceleration<T: Scalar>(
+    fn link_acceleration_local<T: Scalar>(
         q: &Self::Q<T>,
         qd: &Self::V<T>,
         qdd: &Self::V<T>,
         link: Self::Link,
     ) -> Twist<T>
     where
-        Self: functions::LocalLinkAcceleration,
+        Self: functions::LinkAccelerationLocal,
     {
         const { not_generated() }
     }
@@ -1732,14 +1732,14 @@ pub trait Robot {
 
     /// Returns the Jacobian of a link, an array of columns. Its product with `qd` is the velocity of the link
     /// at its origin, in the link's own axes. Computes the link's kinematic path only.
-    fn local_jacobian<T: Scalar>(q: &Self::Q<T>, link: Self::Link) -> Self::PerVelocity<Twist<T>>
+    fn jacobian_local<T: Scalar>(q: &Self::Q<T>, link: Self::Link) -> Self::PerVelocity<Twist<T>>
     where
-        Self: functions::LocalJacobian,
+        Self: functions::JacobianLocal,
     {
         const { not_generated() }
     }
 
-    /// Returns the time derivative of `jacobian`, an array of columns. Its product with `qd` is `bias_acceleration`.
+    /// Returns the time derivative of `jacobian`, an array of columns. Its product with `qd` is `jacobian_dot_qd`.
     /// Computes the link's kinematic path only.
     #[doc(alias = "pin.getFrameJacobianTimeVariation")]
     #[doc(alias = "mj_jacDot")]
@@ -1754,15 +1754,15 @@ pub trait Robot {
         const { not_generated() }
     }
 
-    /// Returns the time derivative of `local_jacobian`, an array of columns. Its product with `qd` is
-    /// `local_bias_acceleration`. Computes the link's kinematic path only.
-    fn local_jacobian_time_derivative<T: Scalar>(
+    /// Returns the time derivative of `jacobian_local`, an array of columns. Its product with `qd` is
+    /// `jacobian_dot_qd_local`. Computes the link's kinematic path only.
+    fn jacobian_time_derivative_local<T: Scalar>(
         q: &Self::Q<T>,
         qd: &Self::V<T>,
         link: Self::Link,
     ) -> Self::PerVelocity<Twist<T>>
     where
-        Self: functions::LocalJacobianTimeDerivative,
+        Self: functions::JacobianTimeDerivativeLocal,
     {
         const { not_generated() }
     }
@@ -1771,22 +1771,22 @@ pub trait Robot {
     /// is the link's acceleration at zero joint accelerations. Computes the link's kinematic path only.
     #[doc(alias = "Jdot qd")]
     #[doc(alias = "drift acceleration")]
-    fn bias_acceleration<T: Scalar>(q: &Self::Q<T>, qd: &Self::V<T>, link: Self::Link) -> Twist<T>
+    fn jacobian_dot_qd<T: Scalar>(q: &Self::Q<T>, qd: &Self::V<T>, link: Self::Link) -> Twist<T>
     where
-        Self: functions::BiasAcceleration,
+        Self: functions::JacobianDotQd,
     {
         const { not_generated() }
     }
 
-    /// Returns the bias acceleration of a link in its own axes: the time derivative of `local_jacobian` times
+    /// Returns the bias acceleration of a link in its own axes: the time derivative of `jacobian_local` times
     /// `qd`. Computes the link's kinematic path only.
-    fn local_bias_acceleration<T: Scalar>(
+    fn jacobian_dot_qd_local<T: Scalar>(
         q: &Self::Q<T>,
         qd: &Self::V<T>,
         link: Self::Link,
     ) -> Twist<T>
     where
-        Self: functions::LocalBiasAcceleration,
+        Self: functions::JacobianDotQdLocal,
     {
         const { not_generated() }
     }

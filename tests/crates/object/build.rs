@@ -14,7 +14,7 @@ fn leg() -> Builder {
         .contacts([Contact { name: "toe".into(), kind: ContactKind::Point, end }])
         .functions([
             Function::ForwardDynamics,
-            Function::ForwardDynamicsExternal,
+            Function::ForwardDynamicsExternalLocal,
             Function::ForwardDynamicsDerivatives,
             Function::ConstrainedForwardDynamics,
             Function::KineticEnergy,

@@ -220,8 +220,8 @@ fn single_precision_is_near_double_precision() {
 const SOLVED: [&str; 17] = [
     "step",
     "forward_dynamics",
+    "forward_dynamics_external_local",
     "forward_dynamics_external",
-    "forward_dynamics_external_world",
     "forward_dynamics_derivatives",
     "forward_dynamics_hessian",
     "forward_dynamics_jvp",

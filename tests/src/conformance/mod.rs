@@ -58,8 +58,8 @@ pub const USED: [Function; 21] = [
     Function::LinkPose,
     Function::LinkVelocity,
     Function::Jacobian,
-    Function::BiasAcceleration,
-    Function::LocalJacobian,
+    Function::JacobianDotQd,
+    Function::JacobianLocal,
     Function::Integrate,
     Function::Difference,
     Function::VelocityToQdot,
@@ -100,7 +100,7 @@ pub fn large() -> Case {
     let functions = USED.into_iter().chain([
         Function::ConstrainedForwardDynamics,
         Function::ConstraintResidual,
-        Function::ContactImpulse,
+        Function::ImpactDynamics,
         Function::ConstraintJacobian,
         Function::Step,
     ]);
@@ -190,7 +190,7 @@ fn column() -> Builder {
 fn points() -> Builder {
     let functions = [
         Function::ConstrainedForwardDynamics,
-        Function::ContactImpulse,
+        Function::ImpactDynamics,
         Function::ProjectConstraints,
     ];
     let points = [

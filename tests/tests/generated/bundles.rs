@@ -10,12 +10,12 @@ modyn::modyn! {
     runtime_gravity = true,
     payload = ["link7"],
     functions = [
-        mass_matrix, bias_forces, jacobian, bias_acceleration, link_pose, step_semi_implicit,
+        mass_matrix, bias_forces, jacobian, jacobian_dot_qd, link_pose, step_semi_implicit,
         forward_dynamics_derivatives
     ],
     bundles = [
         control: batch(
-            mass_matrix, bias_forces, jacobian("hand"), bias_acceleration("hand"), link_pose("hand")
+            mass_matrix, bias_forces, jacobian("hand"), jacobian_dot_qd("hand"), link_pose("hand")
         ),
         linear: batch(step_semi_implicit, forward_dynamics_derivatives),
     ]
@@ -90,15 +90,15 @@ fn an_arm() {
             mass_matrix,
             bias_forces,
             jacobian_hand,
-            bias_acceleration_hand,
+            jacobian_dot_qd_hand,
             link_pose_hand,
         } = Arm::control_with(&params, &q, &qd);
         let hand = ArmLink::Hand;
         close_columns("mass", mass_matrix, Arm::mass_matrix_with(&params, &q), 1e-12);
         close("bias", bias_forces, Arm::bias_forces_with(&params, &q, &qd), 1e-12);
         close_columns("J", columns(jacobian_hand), columns(Arm::jacobian(&q, hand)), 1e-12);
-        let rate = Arm::bias_acceleration(&q, &qd, hand).components();
-        close("J'", bias_acceleration_hand.components(), rate, 1e-12);
+        let rate = Arm::jacobian_dot_qd(&q, &qd, hand).components();
+        close("J'", jacobian_dot_qd_hand.components(), rate, 1e-12);
         close_poses(link_pose_hand, Arm::link_pose(&q, hand));
         // The defaults are those of the description.
         close("bias", Arm::control(&q, &qd).bias_forces, Arm::bias_forces(&q, &qd), 1e-12);
@@ -163,7 +163,7 @@ fn many_states() {
         close("bias", found.bias_forces, expected.bias_forces, 1e-11);
         let jacobians = [found, expected].map(|all| columns(all.jacobian_hand));
         close_columns("J", jacobians[0], jacobians[1], 1e-11);
-        let rates = [found, expected].map(|all| all.bias_acceleration_hand.components());
+        let rates = [found, expected].map(|all| all.jacobian_dot_qd_hand.components());
         close("J'", rates[0], rates[1], 1e-11);
         close_poses(found.link_pose_hand, expected.link_pose_hand);
     };
@@ -209,14 +209,14 @@ fn many_states() {
         let bias_forces = std::array::from_fn(|_| next());
         let mut twist = || Twist::from_components(std::array::from_fn(|_| next()));
         let jacobian_hand = std::array::from_fn(|_| twist());
-        let bias_acceleration_hand = twist();
+        let jacobian_dot_qd_hand = twist();
         let rotation = std::array::from_fn(|_| std::array::from_fn(|_| next()));
         let link_pose_hand = Pose { rotation, translation: std::array::from_fn(|_| next()) };
         let found = ArmControl {
             mass_matrix,
             bias_forces,
             jacobian_hand,
-            bias_acceleration_hand,
+            jacobian_dot_qd_hand,
             link_pose_hand,
         };
         compare(k, &found);

@@ -15,13 +15,13 @@ macro_rules! robots {
                 functions = [
                     random,
                     constrained_forward_dynamics, constrained_forward_dynamics_batch,
-                    contact_impulse, contact_impulse_batch,
+                    impact_dynamics, impact_dynamics_batch,
                     constrained_inverse_dynamics, constrained_inverse_dynamics_batch,
                     constraint_residual, constraint_residual_batch,
                     project_constraints, project_constraints_batch,
                     constraint_jacobian, constraint_jacobian_batch,
-                    constraint_bias_acceleration, constraint_bias_acceleration_batch,
-                    operational_inertia, operational_inertia_batch
+                    constraint_jacobian_dot_qd, constraint_jacobian_dot_qd_batch,
+                    operational_space_inertia, operational_space_inertia_batch
                 ]
                 $(, $key = $choice)*
             }
@@ -119,7 +119,7 @@ macro_rules! fields {
 
 use modyn::{
     ConstrainedForwardDynamics, ConstrainedForwardDynamicsDerivatives, ConstrainedInverseDynamics,
-    ConstraintProjection, ConstraintResidual, ContactImpulse, OperationalInertia,
+    ConstraintProjection, ConstraintResidual, ImpactDynamics, OperationalSpaceInertia,
 };
 
 fields! {
@@ -130,11 +130,11 @@ fields! {
     ConstrainedForwardDynamicsDerivatives<V, W, M, D, X> {
         qdd: V, wrenches: W, dq: M, dqd: M, dtau: M, wrenches_dq: D, wrenches_dqd: D, wrenches_dtau: D, rank: X
     }
-    ContactImpulse<V, W, X> { qd: V, impulses: W, rank: X }
+    ImpactDynamics<V, W, X> { qd: V, impulses: W, rank: X }
     ConstrainedInverseDynamics<V, W, X> { tau: V, wrenches: W, rank: X }
     ConstraintResidual<R> { displacements: R, velocities: R }
     ConstraintProjection<V, X> { dq: V, dqd: V, rank: X }
-    OperationalInertia<M, X> { inverse: M, inertia: M, rank: X }
+    OperationalSpaceInertia<M, X> { inverse: M, inertia: M, rank: X }
 }
 
 fields! { take
@@ -258,10 +258,10 @@ macro_rules! robot {
                     |to| Name::constrained_forward_dynamics_each(&q, &qd, &tau, &sets, s, to)
                 );
                 compare!(
-                    "contact_impulse": Name::contact_impulse(q0, v0, none, s);
-                    |i| { let (q, v, _, _) = at(i); <Name as Robot>::contact_impulse::<P>(&q, &v, sets[i], p) };
-                    |to| Name::contact_impulse_batch(qs, qds, flags, s, take(to), take(to), take(to));
-                    |to| Name::contact_impulse_each(&q, &qd, &sets, s, to)
+                    "impact_dynamics": Name::impact_dynamics(q0, v0, none, s);
+                    |i| { let (q, v, _, _) = at(i); <Name as Robot>::impact_dynamics::<P>(&q, &v, sets[i], p) };
+                    |to| Name::impact_dynamics_batch(qs, qds, flags, s, take(to), take(to), take(to));
+                    |to| Name::impact_dynamics_each(&q, &qd, &sets, s, to)
                 );
                 compare!(
                     "constrained_inverse_dynamics":
@@ -289,16 +289,16 @@ macro_rules! robot {
                     |to| Name::constraint_jacobian_each(&q, to)
                 );
                 compare!(
-                    "constraint_bias_acceleration": Name::constraint_bias_acceleration(q0, v0);
-                    |i| <Name as Robot>::constraint_bias_acceleration::<P>(&at(i).0, &at(i).1);
-                    |to| Name::constraint_bias_acceleration_batch(qs, qds, take(to));
-                    |to| Name::constraint_bias_acceleration_each(&q, &qd, to)
+                    "constraint_jacobian_dot_qd": Name::constraint_jacobian_dot_qd(q0, v0);
+                    |i| <Name as Robot>::constraint_jacobian_dot_qd::<P>(&at(i).0, &at(i).1);
+                    |to| Name::constraint_jacobian_dot_qd_batch(qs, qds, take(to));
+                    |to| Name::constraint_jacobian_dot_qd_each(&q, &qd, to)
                 );
                 compare!(
-                    "operational_inertia": Name::operational_inertia(q0, none, s);
-                    |i| <Name as Robot>::operational_inertia::<P>(&at(i).0, sets[i], p);
-                    |to| Name::operational_inertia_batch(qs, flags, s, take(to), take(to), take(to));
-                    |to| Name::operational_inertia_each(&q, &sets, s, to)
+                    "operational_space_inertia": Name::operational_space_inertia(q0, none, s);
+                    |i| <Name as Robot>::operational_space_inertia::<P>(&at(i).0, sets[i], p);
+                    |to| Name::operational_space_inertia_batch(qs, flags, s, take(to), take(to), take(to));
+                    |to| Name::operational_space_inertia_each(&q, &sets, s, to)
                 );
             });
         }

@@ -14,12 +14,12 @@ modyn::modyn!(
     "../../../robots/joint_zoo.urdf",
     functions = [
         default,
+        forward_dynamics_external_local,
         forward_dynamics_external,
-        forward_dynamics_external_world,
+        inverse_dynamics_external_local,
         inverse_dynamics_external,
-        inverse_dynamics_external_world,
+        generalized_forces_local,
         generalized_forces,
-        generalized_forces_world,
         inverse_dynamics_derivatives,
         forward_dynamics_derivatives,
         regressor,
@@ -28,13 +28,13 @@ modyn::modyn!(
         centroidal_momentum_matrix,
         centroidal_momentum,
         link_velocity,
-        local_link_velocity,
+        link_velocity_local,
         link_acceleration,
-        local_link_acceleration,
+        link_acceleration_local,
         jacobian,
-        local_jacobian,
-        bias_acceleration,
-        local_bias_acceleration
+        jacobian_local,
+        jacobian_dot_qd,
+        jacobian_dot_qd_local
     ],
     friction = smooth(0.01),
     runtime_gravity = true,
@@ -94,12 +94,12 @@ fn calls_with_parameters_allocate_nothing() {
         black_box(JointZoo::forward_dynamics(&q, &v, &v));
         black_box(JointZoo::forward_dynamics_with(&params, &q, &v, &v));
         black_box(JointZoo::inverse_dynamics_with(&params, &q, &v, &v));
+        black_box(JointZoo::forward_dynamics_external_local(&q, &v, &v, &forces));
         black_box(JointZoo::forward_dynamics_external(&q, &v, &v, &forces));
-        black_box(JointZoo::forward_dynamics_external_world(&q, &v, &v, &forces));
+        black_box(JointZoo::inverse_dynamics_external_local(&q, &v, &v, &forces));
         black_box(JointZoo::inverse_dynamics_external(&q, &v, &v, &forces));
-        black_box(JointZoo::inverse_dynamics_external_world(&q, &v, &v, &forces));
+        black_box(JointZoo::generalized_forces_local(&q, &forces));
         black_box(JointZoo::generalized_forces(&q, &forces));
-        black_box(JointZoo::generalized_forces_world(&q, &forces));
         black_box(JointZoo::inverse_dynamics_derivatives(&q, &v, &v));
         black_box(JointZoo::forward_dynamics_derivatives_with(&params, &q, &v, &v));
         black_box(JointZoo::regressor(&q, &v, &v));
@@ -108,12 +108,12 @@ fn calls_with_parameters_allocate_nothing() {
         black_box(JointZoo::centroidal_momentum(&q, &v));
         for link in JointZooLink::ALL {
             black_box((JointZoo::link_pose(&q, link), JointZoo::link_velocity(&q, &v, link)));
-            black_box(JointZoo::local_link_velocity(&q, &v, link));
+            black_box(JointZoo::link_velocity_local(&q, &v, link));
             black_box(JointZoo::link_acceleration(&q, &v, &v, link));
-            black_box(JointZoo::local_link_acceleration(&q, &v, &v, link));
-            black_box((JointZoo::jacobian(&q, link), JointZoo::local_jacobian(&q, link)));
-            black_box(JointZoo::bias_acceleration(&q, &v, link));
-            black_box(JointZoo::local_bias_acceleration(&q, &v, link));
+            black_box(JointZoo::link_acceleration_local(&q, &v, &v, link));
+            black_box((JointZoo::jacobian(&q, link), JointZoo::jacobian_local(&q, link)));
+            black_box(JointZoo::jacobian_dot_qd(&q, &v, link));
+            black_box(JointZoo::jacobian_dot_qd_local(&q, &v, link));
         }
         let moved = black_box(JointZoo::integrate(&q, &v));
         black_box((JointZoo::difference(&q, &moved), JointZoo::velocity_to_qdot(&q, &v)));

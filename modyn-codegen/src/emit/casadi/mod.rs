@@ -65,7 +65,7 @@ impl Backend for Casadi {
         let help = match row.has_solver {
             true => {
                 "CasADi cannot differentiate a loop whose end depends on values: simulate by the target \
-                 `c`, and let contact forces be variables of `forward_dynamics_external_world`"
+                 `c`, and let contact forces be variables of `forward_dynamics_external`"
             }
             false => "differentiate the functions in CasADi, by `jacobian` or `gradient`",
         };

@@ -69,7 +69,7 @@ pub struct ResidualOutputs<'a, S> {
     pub velocities: &'a mut [Twist<S>],
 }
 
-/// The results of [`contact_impulse`](super::contact_impulse).
+/// The results of [`impact_dynamics`](super::impact_dynamics).
 #[derive(Debug)]
 pub struct ImpulseOutputs<'a, S> {
     /// The velocities after the impact.
@@ -87,9 +87,9 @@ pub struct ConstrainedInverseOutputs<'a, S> {
     pub wrenches: &'a mut [Wrench<S>],
 }
 
-/// The results of [`operational_inertia`](super::operational_inertia), arrays of columns.
+/// The results of [`operational_space_inertia`](super::operational_space_inertia), arrays of columns.
 #[derive(Debug)]
-pub struct OperationalInertiaOutputs<'a, S> {
+pub struct OperationalSpaceInertiaOutputs<'a, S> {
     /// J M^-1 J^T.
     pub inverse: &'a mut [S],
     /// The pseudo-inverse of J M^-1 J^T.

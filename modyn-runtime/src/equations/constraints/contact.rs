@@ -155,7 +155,7 @@ impl<S: Scalar> ContactFrame<S> {
             linear: self.to_root(in_world.linear),
         };
         let field = self.on_body.body.map(|body| &workspace.fields[body]);
-        let bias_acceleration = field.map_or_else(Twist::zero, |field| {
+        let jacobian_dot_qd = field.map_or_else(Twist::zero, |field| {
             let linear =
                 field.a + field.relative_acceleration(Vector3(self.on_body.pose.translation));
             Twist {
@@ -163,6 +163,6 @@ impl<S: Scalar> ContactFrame<S> {
                 linear: self.body_axes.mul_vector(linear) + self.to_root(model.gravity),
             }
         });
-        RelativeMotion { displacement, velocity, bias_acceleration }
+        RelativeMotion { displacement, velocity, jacobian_dot_qd }
     }
 }

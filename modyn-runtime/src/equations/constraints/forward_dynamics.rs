@@ -48,7 +48,7 @@ pub fn constrained_forward_dynamics<S: Scalar, T: Factorizable<S>, C: AsRef<[Con
         };
         let damping = (alpha + alpha) * component(motion.velocity);
         let stiffness = beta * beta * component(motion.displacement);
-        [-component(motion.bias_acceleration) - (damping + stiffness), S::zero()]
+        [-component(motion.jacobian_dot_qd) - (damping + stiffness), S::zero()]
     });
     memory.factorize(tree, layout, ConstraintInput { active, settings }, |memory| {
         memory.subtract_accelerations(model, layout)

@@ -21,7 +21,7 @@ use crate::spatial::Matrix3;
 /// ```text
 /// M (qd+ - qd) = J^T lambda,  J qd+ = -e n n^T J qd
 /// ```
-pub fn contact_impulse<S: Scalar, T: Factorizable<S>, C: AsRef<[ContactTarget<S>]>>(
+pub fn impact_dynamics<S: Scalar, T: Factorizable<S>, C: AsRef<[ContactTarget<S>]>>(
     tree: &T,
     layout: &T::Layout,
     State { q, qd }: State<'_, S>,

@@ -41,7 +41,7 @@ pub fn constraint_jacobian<S: Scalar>(
 
 /// Computes the bias acceleration of each constraint: the time derivative of its Jacobian times qd,
 /// in the same axes.
-pub fn constraint_bias_acceleration<S: Scalar>(
+pub fn constraint_jacobian_dot_qd<S: Scalar>(
     model: &Mechanism<S>,
     State { q, qd }: State<'_, S>,
     workspace: &mut Workspace<S>,
@@ -49,21 +49,21 @@ pub fn constraint_bias_acceleration<S: Scalar>(
 ) {
     for (constraint, acceleration) in model.constraints.iter().zip(accelerations) {
         *acceleration = if constraint.contact {
-            contact_bias_acceleration(model, constraint, State { q, qd })
+            contact_jacobian_dot_qd(model, constraint, State { q, qd })
         } else {
             let ancestor = common_ancestor(model, constraint);
             let seen =
                 constraint.ends.map(|end| relative_to_ancestor(model, end, ancestor, q, |_, _| {}));
             let pose = RelativePose::new(&seen);
             let motion = RelativeMotion::new(model, constraint, &pose, State { q, qd }, workspace);
-            constraint.constrained_part(motion.bias_acceleration)
+            constraint.constrained_part(motion.jacobian_dot_qd)
         };
     }
 }
 
 /// Returns the classical acceleration of a contact's frame at zero joint accelerations, in world
 /// axes.
-fn contact_bias_acceleration<S: Scalar>(
+fn contact_jacobian_dot_qd<S: Scalar>(
     model: &Mechanism<S>,
     constraint: &ConstrainedFrames<S>,
     State { q, qd }: State<'_, S>,

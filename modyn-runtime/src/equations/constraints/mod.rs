@@ -16,7 +16,7 @@
 //! | `impulse` | velocities after an impact, and the impulses |
 //! | `inverse_dynamics` | joint forces of accelerations, and the contact wrenches that carry a floating base |
 //! | `jacobian` | the Jacobian and the bias acceleration |
-//! | `operational_inertia` | J M^-1 J^T and its pseudo-inverse |
+//! | `operational_space_inertia` | J M^-1 J^T and its pseudo-inverse |
 //! | `projection` | steps of coordinates and velocities that satisfy the constraints |
 //! | `residual` | displacements and velocities that violate the constraints |
 //!
@@ -65,7 +65,7 @@ mod inverse_dynamics;
 mod jacobian;
 mod lanes;
 mod loop_derivatives;
-mod operational_inertia;
+mod operational_space_inertia;
 mod path;
 mod projection;
 mod relative_motion;
@@ -75,7 +75,7 @@ mod rows;
 pub use factorization::RowSystem;
 pub use {
     adjoint::*, arguments::*, derivatives::*, forward_dynamics::*, impulse::*, inverse_dynamics::*,
-    jacobian::*, operational_inertia::*, projection::*, residual::*,
+    jacobian::*, operational_space_inertia::*, projection::*, residual::*,
 };
 
 use alloc::{vec, vec::Vec};

@@ -124,7 +124,7 @@ pub(super) struct RelativeMotion<S> {
     pub(super) displacement: Twist<S>,
     pub(super) velocity: Twist<S>,
     /// The time derivative of the velocity's components at constant qd.
-    pub(super) bias_acceleration: Twist<S>,
+    pub(super) jacobian_dot_qd: Twist<S>,
 }
 
 impl<S: Scalar> RelativeMotion<S> {
@@ -158,7 +158,7 @@ impl<S: Scalar> RelativeMotion<S> {
         Self {
             displacement: Twist { angular: rotation_error, linear: pose.origin },
             velocity,
-            bias_acceleration: pose.twist(first.rate, second.rate) + transport,
+            jacobian_dot_qd: pose.twist(first.rate, second.rate) + transport,
         }
     }
 }

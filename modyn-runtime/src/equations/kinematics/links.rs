@@ -217,7 +217,7 @@ pub fn jacobian<S: Scalar>(
 }
 
 /// Computes the time derivative dJ/dt of the [`jacobian`] J of link `frame` into `columns`, one for
-/// each entry of qd: dJ/dt qd is [`bias_acceleration`].
+/// each entry of qd: dJ/dt qd is [`jacobian_dot_qd`].
 ///
 /// A column of J is fixed to its body, except for the lever to the link's origin. The axes of the
 /// components rotate relative to the body: the axes of the world with minus the body's angular
@@ -275,7 +275,7 @@ pub fn jacobian_time_derivative<S: Scalar>(
 /// In [`Axes::World`] it is [`link_acceleration`] at qdd = 0. In [`Axes::Link`] the components also
 /// change because the axes rotate with the link. Its linear part is then the classical acceleration
 /// in link axes minus the cross product of the angular and the linear velocity.
-pub fn bias_acceleration<S: Scalar>(
+pub fn jacobian_dot_qd<S: Scalar>(
     model: &Mechanism<S>,
     frame: usize,
     State { q, qd }: State<'_, S>,

@@ -114,31 +114,55 @@ fn compute<S: Scalar>(
         F::PotentialEnergy | F::PotentialEnergyBatch => {
             out[0] = robot.potential_energy(&given[Q])?
         }
-        F::ForwardDynamicsExternal => {
+        F::ForwardDynamicsExternalLocal => {
             let wrenches = given.forces();
             let forces = Forces::InLinkAxes(&wrenches);
-            robot.forward_dynamics_external(&given[Q], &given[QD], &given[TAU], forces, out)?;
+            robot.forward_dynamics_external_local(
+                &given[Q],
+                &given[QD],
+                &given[TAU],
+                forces,
+                out,
+            )?;
         }
-        F::ForwardDynamicsExternalWorld => {
+        F::ForwardDynamicsExternal => {
             let wrenches = given.forces();
             let forces = Forces::InWorldAxes(&wrenches);
-            robot.forward_dynamics_external(&given[Q], &given[QD], &given[TAU], forces, out)?;
+            robot.forward_dynamics_external_local(
+                &given[Q],
+                &given[QD],
+                &given[TAU],
+                forces,
+                out,
+            )?;
+        }
+        F::InverseDynamicsExternalLocal => {
+            let wrenches = given.forces();
+            let forces = Forces::InLinkAxes(&wrenches);
+            robot.inverse_dynamics_external_local(
+                &given[Q],
+                &given[QD],
+                &given[QDD],
+                forces,
+                out,
+            )?;
         }
         F::InverseDynamicsExternal => {
             let wrenches = given.forces();
-            let forces = Forces::InLinkAxes(&wrenches);
-            robot.inverse_dynamics_external(&given[Q], &given[QD], &given[QDD], forces, out)?;
-        }
-        F::InverseDynamicsExternalWorld => {
-            let wrenches = given.forces();
             let forces = Forces::InWorldAxes(&wrenches);
-            robot.inverse_dynamics_external(&given[Q], &given[QD], &given[QDD], forces, out)?;
+            robot.inverse_dynamics_external_local(
+                &given[Q],
+                &given[QD],
+                &given[QDD],
+                forces,
+                out,
+            )?;
         }
-        F::GeneralizedForces => {
+        F::GeneralizedForcesLocal => {
             let [tau, dq] = parts(shape, out);
             robot.generalized_forces(&given[Q], Forces::InLinkAxes(&given.forces()), tau, dq)?;
         }
-        F::GeneralizedForcesWorld => {
+        F::GeneralizedForces => {
             let [tau, dq] = parts(shape, out);
             robot.generalized_forces(&given[Q], Forces::InWorldAxes(&given.forces()), tau, dq)?;
         }
@@ -227,8 +251,8 @@ fn compute<S: Scalar>(
         F::ConstrainedForwardDynamicsHessian => {
             records::constrained_forward_dynamics_hessian(robot, given, parts(shape, out))
         }
-        F::ContactImpulse | F::ContactImpulseBatch => {
-            records::contact_impulse(robot, given, parts(shape, out))
+        F::ImpactDynamics | F::ImpactDynamicsBatch => {
+            records::impact_dynamics(robot, given, parts(shape, out))
         }
         F::Step => records::step(robot, given, parts(shape, out))?,
         F::Actuate | F::ActuateBatch => {
@@ -242,11 +266,11 @@ fn compute<S: Scalar>(
         F::ConstraintJacobian | F::ConstraintJacobianBatch => {
             fill(out, |columns| robot.constraint_jacobian(&given[Q], columns))?
         }
-        F::ConstraintBiasAcceleration | F::ConstraintBiasAccelerationBatch => {
-            fill(out, |twists| robot.constraint_bias_acceleration(given.state(), twists))?
+        F::ConstraintJacobianDotQd | F::ConstraintJacobianDotQdBatch => {
+            fill(out, |twists| robot.constraint_jacobian_dot_qd(given.state(), twists))?
         }
-        F::OperationalInertia | F::OperationalInertiaBatch => {
-            records::operational_inertia(robot, given, parts(shape, out))
+        F::OperationalSpaceInertia | F::OperationalSpaceInertiaBatch => {
+            records::operational_space_inertia(robot, given, parts(shape, out))
         }
         F::Regressor => robot.regressor(&given[Q], &given[QD], &given[QDD], out)?,
         F::CenterOfMass => out.copy_from_slice(&robot.center_of_mass(&given[Q])?),
@@ -265,29 +289,29 @@ fn compute<S: Scalar>(
         F::LinkPoses => fill(out, |poses| robot.link_poses(&given[Q], poses))?,
         F::LinkPose => write(&[robot.link_pose(&given[Q], link)?], out),
         F::LinkVelocity => write(&[robot.link_velocity(&given[Q], &given[QD], link)?], out),
-        F::LocalLinkVelocity => {
-            write(&[robot.local_link_velocity(&given[Q], &given[QD], link)?], out)
+        F::LinkVelocityLocal => {
+            write(&[robot.link_velocity_local(&given[Q], &given[QD], link)?], out)
         }
         F::LinkAcceleration => {
             let acceleration = robot.link_acceleration(&given[Q], &given[QD], &given[QDD], link)?;
             write(&[acceleration], out);
         }
-        F::LocalLinkAcceleration => {
+        F::LinkAccelerationLocal => {
             let acceleration =
-                robot.local_link_acceleration(&given[Q], &given[QD], &given[QDD], link)?;
+                robot.link_acceleration_local(&given[Q], &given[QD], &given[QDD], link)?;
             write(&[acceleration], out);
         }
         F::Jacobian => fill(out, |columns| robot.jacobian(&given[Q], link, columns))?,
-        F::LocalJacobian => fill(out, |columns| robot.local_jacobian(&given[Q], link, columns))?,
+        F::JacobianLocal => fill(out, |columns| robot.jacobian_local(&given[Q], link, columns))?,
         F::JacobianTimeDerivative => fill(out, |columns| {
             robot.jacobian_time_derivative(&given[Q], &given[QD], link, columns)
         })?,
-        F::LocalJacobianTimeDerivative => fill(out, |columns| {
-            robot.local_jacobian_time_derivative(&given[Q], &given[QD], link, columns)
+        F::JacobianTimeDerivativeLocal => fill(out, |columns| {
+            robot.jacobian_time_derivative_local(&given[Q], &given[QD], link, columns)
         })?,
-        F::BiasAcceleration => write(&[robot.bias_acceleration(&given[Q], &given[QD], link)?], out),
-        F::LocalBiasAcceleration => {
-            write(&[robot.local_bias_acceleration(&given[Q], &given[QD], link)?], out)
+        F::JacobianDotQd => write(&[robot.jacobian_dot_qd(&given[Q], &given[QD], link)?], out),
+        F::JacobianDotQdLocal => {
+            write(&[robot.jacobian_dot_qd_local(&given[Q], &given[QD], link)?], out)
         }
         F::Integrate => robot.integrate(&given[Q], &given[V], out)?,
         F::Difference => robot.difference(&given[FROM], &given[TO], out)?,

@@ -6,7 +6,7 @@ use super::given::Given;
 use crate::Scalar;
 use crate::equations::constraints::{
     ConstrainedCotangent, ConstrainedInverseOutputs, ConstrainedOutputs, ImpulseOutputs,
-    OperationalInertiaOutputs, ProjectionOutputs, ResidualOutputs,
+    OperationalSpaceInertiaOutputs, ProjectionOutputs, ResidualOutputs,
 };
 use crate::equations::derivatives::CentroidalOutputs;
 use crate::equations::soft_constraints::ActuatedInput;
@@ -132,7 +132,7 @@ pub(super) fn constrained_forward_dynamics_hessian<S: Scalar>(
     write(&held, wrenches);
 }
 
-pub(super) fn contact_impulse<S: Scalar>(
+pub(super) fn impact_dynamics<S: Scalar>(
     robot: &mut Interpreter<S>,
     given: &Given<'_, S>,
     [qd, impulses, rank]: [&mut [S]; 3],
@@ -156,13 +156,13 @@ pub(super) fn constrained_inverse_dynamics<S: Scalar>(
     write(&transmitted, wrenches);
 }
 
-pub(super) fn operational_inertia<S: Scalar>(
+pub(super) fn operational_space_inertia<S: Scalar>(
     robot: &mut Interpreter<S>,
     given: &Given<'_, S>,
     [inverse, inertia, rank]: [&mut [S]; 3],
 ) {
     robot.activate(&given[CONTACTS]);
-    let outputs = OperationalInertiaOutputs { inverse, inertia };
+    let outputs = OperationalSpaceInertiaOutputs { inverse, inertia };
     rank[0] = robot.solve_inertia(&given[Q], &given.settings(), outputs);
 }
 

@@ -44,7 +44,7 @@ macro_rules! results {
         let mut all = vec![
             format!("{:?}", Leg::forward_dynamics(&q, &qd, &tau)),
             format!("{:?}", Leg::forward_dynamics_with(&params, &q, &qd, &tau)),
-            format!("{:?}", Leg::forward_dynamics_external(&q, &qd, &tau, &forces)),
+            format!("{:?}", Leg::forward_dynamics_external_local(&q, &qd, &tau, &forces)),
             format!("{:?}", Leg::forward_dynamics_derivatives_with(&params, &q, &qd, &tau)),
             format!("{:?}", Leg::kinetic_energy(&q, &qd)),
             format!("{:?}", Leg::difference(&q, &to)),

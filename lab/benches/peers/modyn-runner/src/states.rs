@@ -51,7 +51,7 @@ fn at_rest(robot: &mut Interpreter<f64>, q: &[f64], qd: &[f64]) -> Vec<f64> {
     let (mut after, mut impulses) = (qd.to_vec(), vec![Wrench::zero(); contacts]);
     let (active, settings) = (vec![true; contacts], settings(contacts));
     let results = ImpulseOutputs { qd: &mut after, impulses: &mut impulses };
-    robot.contact_impulse(State { q, qd }, &active, &settings, results).expect("sizes");
+    robot.impact_dynamics(State { q, qd }, &active, &settings, results).expect("sizes");
     after
 }
 

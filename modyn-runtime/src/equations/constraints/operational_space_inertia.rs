@@ -1,7 +1,7 @@
 //! The operational-space inertia of the constraints.
 
 use super::rows::constraint_rows;
-use super::{ConstraintInput, ConstraintWorkspaces, OperationalInertiaOutputs};
+use super::{ConstraintInput, ConstraintWorkspaces, OperationalSpaceInertiaOutputs};
 use crate::Scalar;
 use crate::constraint_settings::ContactTarget;
 use crate::equations::factorization::limb_coupling::{Factorizable, LimbAccess};
@@ -18,13 +18,13 @@ use crate::spatial::{Matrix3, Pose};
 /// rows in units of length: rotations are multiplied by the characteristic length.
 ///
 /// The columns of the pseudo-inverse are computed several at a time where the scalars have lanes.
-pub fn operational_inertia<S: Scalar, T: Factorizable<S>, C: AsRef<[ContactTarget<S>]>>(
+pub fn operational_space_inertia<S: Scalar, T: Factorizable<S>, C: AsRef<[ContactTarget<S>]>>(
     tree: &T,
     layout: &T::Layout,
     q: &[S],
     ConstraintInput { active, settings }: ConstraintInput<'_, S, C>,
     ConstraintWorkspaces { workspace, memory }: ConstraintWorkspaces<'_, S>,
-    OperationalInertiaOutputs { inverse, inertia }: OperationalInertiaOutputs<'_, S>,
+    OperationalSpaceInertiaOutputs { inverse, inertia }: OperationalSpaceInertiaOutputs<'_, S>,
 ) -> S {
     let model = tree.mechanism();
     brge::factorize(tree, layout.layout(), q, workspace, &mut memory.factors);
