@@ -96,7 +96,7 @@ fn each_function_is_held_against_something_else() {
         let row = rows.lines().find(|row| of_the_row.iter().any(|name| names(row).contains(name)));
         let row = row.unwrap_or_else(|| panic!("`{name}` is not on the page"));
         let (_, tests) = row.trim_end_matches(" |").rsplit_once("| ").expect("columns");
-        let called = [of_the_row[1], &format!("{function:?}")];
+        let called = [of_the_row[0], of_the_row[1], &format!("{function:?}")];
         let is_held = |test: &str| {
             let text = test_module(test);
             let mut words = text.split(|c: char| !c.is_alphanumeric() && c != '_');
