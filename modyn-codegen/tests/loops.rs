@@ -567,9 +567,7 @@ fn forces_close(model: Model) {
         }
         let mut found = vec![0.0; tau.len()];
         let outside = Forces::InWorldAxes(&wrenches);
-        interpreter
-            .inverse_dynamics_external_local(&q, &qd, &qdd, outside, &mut found)
-            .expect("fits");
+        interpreter.inverse_dynamics_external(&q, &qd, &qdd, outside, &mut found).expect("fits");
         let size = qdd.iter().fold(1.0_f64, |size, a| size.max(a.abs()));
         assert_near(&found, &tau, 1e-9 * size);
     }

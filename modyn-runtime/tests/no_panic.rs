@@ -200,8 +200,8 @@ fn call(interpreter: &mut Interpreter<f64>, dice: &mut Dice) {
         r.gravity_torques(&q, &mut b).ok();
         r.mass_matrix(&q, &mut c).ok();
         for forces in [Forces::InLinkAxes(&wrenches), Forces::InWorldAxes(&wrenches)] {
-            r.forward_dynamics_external_local(&q, &qd, &tau, forces, &mut a).ok();
-            r.inverse_dynamics_external_local(&q, &qd, &qdd, forces, &mut b).ok();
+            r.forward_dynamics_external(&q, &qd, &tau, forces, &mut a).ok();
+            r.inverse_dynamics_external(&q, &qd, &qdd, forces, &mut b).ok();
         }
         r.kinetic_energy(&q, &qd).ok();
         r.potential_energy(&q).ok();

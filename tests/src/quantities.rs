@@ -53,13 +53,13 @@ impl<S: Scalar> Quantities<S> for Interpreter<S> {
 
     fn qdd_under(&mut self, q: &[S], qd: &[S], tau: &[S], forces: Forces<'_, S>) -> Vec<S> {
         let mut qdd = vec![S::zero(); self.model().nv()];
-        self.forward_dynamics_external_local(q, qd, tau, forces, &mut qdd).expect(LENGTHS);
+        self.forward_dynamics_external(q, qd, tau, forces, &mut qdd).expect(LENGTHS);
         qdd
     }
 
     fn tau_under(&mut self, q: &[S], qd: &[S], qdd: &[S], forces: Forces<'_, S>) -> Vec<S> {
         let mut tau = vec![S::zero(); self.model().nv()];
-        self.inverse_dynamics_external_local(q, qd, qdd, forces, &mut tau).expect(LENGTHS);
+        self.inverse_dynamics_external(q, qd, qdd, forces, &mut tau).expect(LENGTHS);
         tau
     }
 

@@ -41,8 +41,8 @@ fn calls_allocate_nothing() {
                 interpreter.potential_energy(&q)?;
                 interpreter.link_poses(&q, &mut poses)?;
                 for forces in [Forces::InLinkAxes(&wrenches), Forces::InWorldAxes(&wrenches)] {
-                    interpreter.forward_dynamics_external_local(&q, &qd, &tau, forces, &mut a)?;
-                    interpreter.inverse_dynamics_external_local(&q, &qd, &a, forces, &mut b)?;
+                    interpreter.forward_dynamics_external(&q, &qd, &tau, forces, &mut a)?;
+                    interpreter.inverse_dynamics_external(&q, &qd, &a, forces, &mut b)?;
                 }
                 interpreter.set_gravity([0.0, 0.0, -1.62]);
                 interpreter.set_inertial(1, &heavier).expect("a body's");
@@ -77,15 +77,14 @@ fn derivatives_allocate_at_their_first_call_alone() {
             let forces = Forces::InWorldAxes(&wrenches);
             let motion = Motion { q: &q, qd: &qd, qdd: &tau };
             let input = ForwardInput { q: &q, qd: &qd, tau: &tau };
-            interpreter
-                .inverse_dynamics_external_local_derivatives(motion, forces, &mut dq, &mut dqd)?;
+            interpreter.inverse_dynamics_external_derivatives(motion, forces, &mut dq, &mut dqd)?;
             let outputs = ForwardDerivatives {
                 qdd: &mut qdd,
                 dqdd_dq: &mut dq,
                 dqdd_dqd: &mut dqd,
                 dqdd_dtau: &mut dtau,
             };
-            interpreter.forward_dynamics_external_local_derivatives(input, forces, outputs)
+            interpreter.forward_dynamics_external_derivatives(input, forces, outputs)
         };
         assert_eq!(derive(), Ok(()));
         let (result, allocated) = measure(derive);

@@ -154,7 +154,7 @@ fn derivatives_under_external_wrenches_agree_with_tangents_of_the_dynamics() {
             let mut found = [n, n * n, n * n, n * n, n * n, n * n].map(|size| vec![f64::NAN; size]);
             let [at, dqdd_dq, dqdd_dqd, dqdd_dtau, dtau_dq, dtau_dqd] = &mut found;
             let outputs = ForwardDerivatives { qdd: at, dqdd_dq, dqdd_dqd, dqdd_dtau };
-            let derived = interpreter.forward_dynamics_external_local_derivatives(
+            let derived = interpreter.forward_dynamics_external_derivatives(
                 ForwardInput { q: &q, qd: &qd, tau: &tau },
                 forces,
                 outputs,
@@ -162,7 +162,7 @@ fn derivatives_under_external_wrenches_agree_with_tangents_of_the_dynamics() {
             assert_eq!(derived, Ok(()));
             let motion = Motion { q: &q, qd: &qd, qdd: &qdd };
             let derived = interpreter
-                .inverse_dynamics_external_local_derivatives(motion, forces, dtau_dq, dtau_dqd);
+                .inverse_dynamics_external_derivatives(motion, forces, dtau_dq, dtau_dqd);
             assert_eq!(derived, Ok(()));
             let seed = format!("seed {seed}, in world axes: {in_world}");
             assert_close(&seed, at, &interpreter.qdd_under(&q, &qd, &tau, forces), 1e-9);

@@ -485,9 +485,9 @@ proptest! {
         let (expected, found) = (wrenches.len(), wrenches.len() - 1);
         let refused = Err(ShapeError::new("forces", expected, found));
         let mut out = tau.clone();
-        let result = interpreter.forward_dynamics_external_local(&q, &qd, &tau, short, &mut out);
+        let result = interpreter.forward_dynamics_external(&q, &qd, &tau, short, &mut out);
         prop_assert_eq!(result, refused);
-        let result = interpreter.inverse_dynamics_external_local(&q, &qd, &qdd, short, &mut out);
+        let result = interpreter.inverse_dynamics_external(&q, &qd, &qdd, short, &mut out);
         prop_assert_eq!(result, refused);
     }
 

@@ -88,7 +88,7 @@ impl<S: Scalar> Interpreter<S> {
     }
 
     /// Computes the derivatives d tau / d q and d tau / d qd of
-    /// [`inverse_dynamics_external_local`](Self::inverse_dynamics_external_local), nv x nv matrices by columns.
+    /// [`inverse_dynamics_external`](Self::inverse_dynamics_external), nv x nv matrices by columns.
     ///
     /// The wrenches are constant while q changes: those in link axes rotate with their links, those
     /// in world axes do not. Both act at the links' origins, which move. The first call allocates
@@ -97,7 +97,7 @@ impl<S: Scalar> Interpreter<S> {
     /// # Errors
     ///
     /// If a slice does not have the model's length.
-    pub fn inverse_dynamics_external_local_derivatives(
+    pub fn inverse_dynamics_external_derivatives(
         &mut self,
         motion: Motion<'_, S>,
         forces: Forces<'_, S>,
@@ -108,7 +108,7 @@ impl<S: Scalar> Interpreter<S> {
         self.check_forces(Some(forces))?;
         self.check_matrices(&[("dtau_dq", dtau_dq), ("dtau_dqd", dtau_dqd)])?;
         let Self { mechanism, workspace, .. } = self;
-        let derive = derivatives::inverse_dynamics_external_local_derivatives;
+        let derive = derivatives::inverse_dynamics_external_derivatives;
         derive(mechanism, motion, forces, workspace, dtau_dq, dtau_dqd);
         Ok(())
     }
@@ -167,7 +167,7 @@ impl<S: Scalar> Interpreter<S> {
     /// # Errors
     ///
     /// If a slice does not have the model's length.
-    pub fn forward_dynamics_external_local_derivatives(
+    pub fn forward_dynamics_external_derivatives(
         &mut self,
         input: ForwardInput<'_, S>,
         forces: Forces<'_, S>,
@@ -178,7 +178,7 @@ impl<S: Scalar> Interpreter<S> {
         let Self { mechanism, workspace, model, links, .. } = self;
         let layout =
             links.get_or_insert_with(|| UduLayout::new(mechanism, &ModuleTree::links(model)));
-        let derive = derivatives::forward_dynamics_external_local_derivatives;
+        let derive = derivatives::forward_dynamics_external_derivatives;
         derive(mechanism, layout, input, forces, workspace, outputs);
         Ok(())
     }

@@ -45,7 +45,7 @@ impl<S: Scalar> Interpreter<S> {
     /// # Errors
     ///
     /// If a slice does not have the model's length.
-    pub fn forward_dynamics_external_local(
+    pub fn forward_dynamics_external(
         &mut self,
         q: &[S],
         qd: &[S],
@@ -111,7 +111,7 @@ impl<S: Scalar> Interpreter<S> {
     /// # Errors
     ///
     /// If a slice does not have the model's length.
-    pub fn inverse_dynamics_external_local(
+    pub fn inverse_dynamics_external(
         &mut self,
         q: &[S],
         qd: &[S],

@@ -23,7 +23,7 @@ use crate::spatial::{Matrix3, Vector3, Wrench};
 /// Computes the derivatives of inverse dynamics under external wrenches with respect to q and qd:
 /// nv x nv matrices, stored by columns. The wrenches are constant in the axes in which they are
 /// given.
-pub fn inverse_dynamics_external_local_derivatives<S: Scalar>(
+pub fn inverse_dynamics_external_derivatives<S: Scalar>(
     model: &Mechanism<S>,
     motion: Motion<'_, S>,
     forces: Forces<'_, S>,
@@ -42,7 +42,7 @@ pub fn inverse_dynamics_external_local_derivatives<S: Scalar>(
 /// Computes the joint accelerations under the joint forces `tau` and external wrenches, and their
 /// derivatives with respect to q, qd and tau. The wrenches are constant in the axes in which they
 /// are given.
-pub fn forward_dynamics_external_local_derivatives<S: Scalar>(
+pub fn forward_dynamics_external_derivatives<S: Scalar>(
     model: &Mechanism<S>,
     layout: &UduLayout,
     ForwardInput { q, qd, tau }: ForwardInput<'_, S>,

@@ -117,46 +117,22 @@ fn compute<S: Scalar>(
         F::ForwardDynamicsExternalLocal => {
             let wrenches = given.forces();
             let forces = Forces::InLinkAxes(&wrenches);
-            robot.forward_dynamics_external_local(
-                &given[Q],
-                &given[QD],
-                &given[TAU],
-                forces,
-                out,
-            )?;
+            robot.forward_dynamics_external(&given[Q], &given[QD], &given[TAU], forces, out)?;
         }
         F::ForwardDynamicsExternal => {
             let wrenches = given.forces();
             let forces = Forces::InWorldAxes(&wrenches);
-            robot.forward_dynamics_external_local(
-                &given[Q],
-                &given[QD],
-                &given[TAU],
-                forces,
-                out,
-            )?;
+            robot.forward_dynamics_external(&given[Q], &given[QD], &given[TAU], forces, out)?;
         }
         F::InverseDynamicsExternalLocal => {
             let wrenches = given.forces();
             let forces = Forces::InLinkAxes(&wrenches);
-            robot.inverse_dynamics_external_local(
-                &given[Q],
-                &given[QD],
-                &given[QDD],
-                forces,
-                out,
-            )?;
+            robot.inverse_dynamics_external(&given[Q], &given[QD], &given[QDD], forces, out)?;
         }
         F::InverseDynamicsExternal => {
             let wrenches = given.forces();
             let forces = Forces::InWorldAxes(&wrenches);
-            robot.inverse_dynamics_external_local(
-                &given[Q],
-                &given[QD],
-                &given[QDD],
-                forces,
-                out,
-            )?;
+            robot.inverse_dynamics_external(&given[Q], &given[QD], &given[QDD], forces, out)?;
         }
         F::GeneralizedForcesLocal => {
             let [tau, dq] = parts(shape, out);
