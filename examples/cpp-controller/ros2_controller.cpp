@@ -1,6 +1,6 @@
 /// The impedance controller as a plugin of ros2_control (ROS 2 Jazzy or later). It holds the hand where it was at activation.
-#include <array>
 #include <string>
+#include <vector>
 
 #include "controller_interface/controller_interface.hpp"
 #include "hardware_interface/types/hardware_interface_type_values.hpp"

@@ -221,7 +221,7 @@ fn actuators_are_written_to_an_mjcf() {
     assert_same_forces(&robot, &again);
     let limited = model(&[pd.with_saturation(9.0).with_velocity(3.0), knee.with_delay(2)]);
     let written = write(&limited, Format::Mjcf).expect("an MJCF");
-    let line = "no torque-speed line: left out for actuators `left_hip`, `right_hip`.";
+    let line = "The torque-speed line is left out for actuators `left_hip`, `right_hip`.";
     let delay = "The delay in steps is left out for actuator `left_knee`";
     for part in [line, delay] {
         assert!(written.notes.iter().any(|note| note.contains(part)), "{:?}", written.notes);

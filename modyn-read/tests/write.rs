@@ -228,6 +228,8 @@ fn shapes_that_touch_the_ground_are_written() {
         let written = write(&changed, Format::Mjcf).expect("an MJCF");
         let again = read(&written.text, "r.xml", &ReadOptions::default()).expect("an MJCF").model;
         assert_eq!(again.soft_constraints().integrator, integrator);
+        let urdf = write(&changed, Format::Urdf).expect("a URDF").text;
+        assert_eq!(urdf.contains("the integrator of `step`"), integrator != Integrator::Euler);
     }
     // A URDF has the shapes, and the option has the ground.
     let written = write(&model, Format::Urdf).expect("a URDF");

@@ -361,10 +361,14 @@ impl OptionValue for JointActuator {
         for argument in &arguments[numbers.len()..] {
             let (name, number) = pair(argument, expected)?;
             match name.as_str() {
-                "effort" => read.effort = Some(f64::read(number)?),
-                "saturation" => read.saturation = Some(f64::read(number)?),
-                "velocity" => read.velocity = Some(f64::read(number)?),
-                "delay" => read.delay = steps(number)?,
+                "effort" if read.effort.is_none() => read.effort = Some(f64::read(number)?),
+                "saturation" if read.saturation.is_none() => {
+                    read.saturation = Some(f64::read(number)?);
+                }
+                "velocity" if read.velocity.is_none() => {
+                    read.velocity = Some(f64::read(number)?);
+                }
+                "delay" if read.delay == 0 => read.delay = steps(number)?,
                 _ => return Err(OptionError::form(argument.at, expected)),
             }
         }
@@ -378,7 +382,8 @@ impl OptionValue for JointActuator {
                 format!("JointActuator::position({joint:?}, {kp:?}, {kd:?})")
             }
             ControlLaw::Velocity { kd } => format!("JointActuator::velocity({joint:?}, {kd:?})"),
-            _ => format!("JointActuator::motor({joint:?})"),
+            ControlLaw::Motor => format!("JointActuator::motor({joint:?})"),
+            _ => unreachable!("the law {law:?} has no form as an option"),
         };
         let numbers = [("effort", effort), ("saturation", saturation), ("velocity", velocity)];
         for (name, number) in numbers {

@@ -40,7 +40,7 @@ pub fn of_mjcf(model: &Model) -> WrittenActuators {
         notes.push(format!("Left out: {}.", listed(left_out.clone())));
     }
     if !lines.is_empty() {
-        notes.push(format!("MuJoCo has no torque-speed line: left out for {}.", listed(lines)));
+        notes.push(format!("The torque-speed line is left out for {}.", listed(lines)));
     }
     if !delays.is_empty() {
         notes.push(format!(

@@ -16,7 +16,7 @@ mod xml;
 
 use std::collections::BTreeSet;
 
-use modyn_runtime::model::{DEFAULT_GRAVITY, Friction, Inertial, Limits, Model};
+use modyn_runtime::model::{DEFAULT_GRAVITY, Friction, Inertial, Integrator, Limits, Model};
 
 use crate::description::UNLIMITED;
 use crate::diagnostics::{Code, Diagnostic, Diagnostics, listed};
@@ -112,6 +112,9 @@ fn notes_about_options(model: &Model, format: Format) -> Vec<String> {
         notes.push(format!(
             "The format has no gravity: read the robot with the option `gravity = [{x}, {y}, {z}]`."
         ));
+    }
+    if format == Format::Urdf && model.soft_constraints().integrator != Integrator::Euler {
+        notes.push("Left out: the integrator of `step`, which is `Euler` for a URDF.".into());
     }
     let friction = match model.friction() {
         Friction::None => return notes,

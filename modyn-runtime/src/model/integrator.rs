@@ -11,7 +11,7 @@ pub enum Integrator {
     /// All of these act with the velocities after the step, and so does the rotation of free bodies
     /// that carry no other body: `MuJoCo`'s `implicitfast`.
     ImplicitFast,
-    /// All of these act with the velocities before the step: `MuJoCo`'s `Euler` where the flag
-    /// `eulerdamp` is disabled.
+    /// The dampers of joints and tendons and the velocity gains of actuators act with the velocities
+    /// before the step: `MuJoCo`'s `Euler` where the flag `eulerdamp` is disabled.
     ExplicitEuler,
 }

@@ -187,7 +187,8 @@ impl Arguments {
             ));
         }
         let ground = if self.has_ground() { Ground::Described } else { Ground::None };
-        let actuators = !self.robot.options.read_options().actuators.is_empty();
+        let are_given = !self.robot.options.read_options().actuators.is_empty();
+        let actuators = are_given || self.has_ground();
         let limits = if self.limits { Limits::Act } else { Limits::None };
         Ok(Options { ground, limits, actuators })
     }

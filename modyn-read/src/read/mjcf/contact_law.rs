@@ -132,8 +132,8 @@ fn components(item: &Item, report: &mut Report<'_>) -> Option<ContactComponents>
     components
 }
 
-/// A pair of `<contact>`, by the names of its geoms. `MuJoCo` does not mix the laws of its geoms: what
-/// a pair lacks is by default.
+/// A pair of `<contact>`, by the names of its geoms. A missing attribute has `MuJoCo`'s default value;
+/// the laws of the geoms have no effect.
 pub struct Pair {
     geoms: [String; 2],
     pub contact: Contact,

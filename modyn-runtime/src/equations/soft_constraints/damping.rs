@@ -1,5 +1,5 @@
 //! The dampers that act with the velocities after a step: of joints, and by MuJoCo's `implicitfast` also
-//! of tendons, and the velocity gains of actuators.
+//! of tendons, and the velocity gains of actuators. Where the flag `eulerdamp` is disabled there are none.
 //!
 //! The matrix of these dampers has the sparsity of the mass matrix, as in MuJoCo: a damper couples two
 //! joints only if one of them carries the other.
