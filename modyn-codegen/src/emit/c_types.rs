@@ -60,17 +60,19 @@ impl<'a> CType<'a> {
 }
 
 impl Fields<'_> {
-    /// Returns the name of the record's type in Rust.
-    pub(super) fn type_name(self) -> &'static str {
+    /// Returns the name of the type. The results of bundles and of users' functions have names of
+    /// their own, since a user may name them as any other record.
+    pub(super) fn type_name(self) -> String {
         match self.record {
-            Record::Spatial(name) => name,
-            record => record.result_type().unwrap_or("Numbers"),
+            Record::Spatial(name) => name.into(),
+            Record::Own(name) => format!("{name}Results"),
+            record => record.result_type().unwrap_or("Numbers").into(),
         }
     }
 
     /// Returns the name of the record in snake case.
     pub(super) fn name(self) -> String {
-        names::snake(self.type_name())
+        names::snake(&self.type_name())
     }
 
     /// Returns the fields that have numbers: C has no arrays of no numbers.
@@ -106,7 +108,7 @@ impl CTypes {
         if let Some(docs) = docs_of_record(&name) {
             let _ = writeln!(text, "/* {docs} */");
         }
-        let _ = writeln!(text, "typedef struct {prefix}_{name} {{");
+        text += "typedef struct {\n";
         for (field, shape) in fields.nonempty() {
             let docs =
                 docs_of_field(&name, field).map_or(String::new(), |docs| format!(" /* {docs} */"));
@@ -194,7 +196,9 @@ fn dimensions(shape: &Shape) -> Vec<usize> {
 pub(super) fn docs_of_record(name: &str) -> Option<&'static str> {
     Some(match name {
         "pose" => "A pose: rotation[i][j] is the entry in row i and column j; the translation, m.",
-        "twist" => "A motion: its angular part (rad, rad/s), and its linear part (m, m/s).",
+        "twist" => {
+            "A velocity (rad/s, m/s), an acceleration or a displacement: its angular and its linear part."
+        }
         "momentum" => "A momentum: its angular part, N m s, and its linear part, N s.",
         "wrench" => "A moment, N m, and a force, N.",
         "contact_target" => {
@@ -237,6 +241,14 @@ pub(super) fn docs_of_field(record: &str, field: &str) -> Option<&'static str> {
         ("contact_surface", "solimp") => {
             "impedance at the surface and at the width; width, m; midpoint"
         }
+        ("step_solution" | "actuated_step", "forces") => {
+            "at each point, along the x and y axes of its plane, then along the normal, N"
+        }
+        ("step_solution" | "actuated_step", "residual") => "relative to the largest force",
+        ("step_solution" | "actuated_step", "iterations") => "their number",
+        ("constraint_settings", "contacts") => "in the order of the contacts",
+        ("step_settings", "contacts") => "in the order of the shapes that touch the ground",
+        (_, "rank") => "the number of independent rows of the active constraints",
         ("step_settings", "tolerance") => "the residual at which the solver stops",
         ("step_settings", "impratio") => {
             "how many times stiffer friction is than the normal direction"

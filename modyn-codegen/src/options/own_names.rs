@@ -52,6 +52,11 @@ pub(super) fn name_defect(name: &str, what: &str) -> Option<(String, String)> {
     if RESERVED.contains(&name) {
         return Some((format!("generated code has another `{name}`"), help()));
     }
+    let begins_as_in_c = ["default_", "rollout"].iter().any(|start| name.starts_with(start));
+    let ends_as_in_c = ["_names", "_numbers", "_t", "_with"].iter().any(|end| name.ends_with(end));
+    if begins_as_in_c || ends_as_in_c {
+        return Some(("generated C has such names".into(), help()));
+    }
     let begins = |function: &&Function| {
         let rest = name.strip_prefix(function.name());
         rest.is_some_and(|rest| rest.is_empty() || rest.starts_with('_'))

@@ -6,10 +6,10 @@ use std::process::Command;
 
 use modyn_codegen::diagnostics::Diagnostics;
 use modyn_codegen::plan::{Argument, ArgumentKind, Record, Shape};
-use modyn_codegen::{Builder, Emitted, Target};
+use modyn_codegen::{Builder, Bundle, Emitted, Function, Target};
 
 use crate::conformance::c::{STRICT, execute, main_of, write};
-use crate::conformance::{Arithmetic, BackEnd, Call, Case, Subject, USED, command};
+use crate::conformance::{Arithmetic, BackEnd, Call, Case, Subject, USED, command, folder, robot};
 
 /// Where Debian's package `libeigen3-dev` has its headers.
 const EIGEN: &str = "/usr/include/eigen3";
@@ -39,7 +39,7 @@ pub fn has_eigen() -> bool {
 
 /// Returns a robot whose names are keywords, macros, and words of the class.
 pub fn keywords() -> Case {
-    let names = ["class", "int", "unix", "nq", "Q", "new", "template", "Scalar", "*/ x"];
+    let names = ["class", "int", "unix", "nq", "Q", "new", "errno", "wchar_t", "Scalar", "*/ x"];
     let mut text = String::from("<robot name='namespace'><link name='auto'/>");
     let parents = std::iter::once("auto").chain(names);
     for (parent, name) in parents.zip(names) {
@@ -127,11 +127,40 @@ impl BackEnd for Cpp {
         let main = main_of(subject, HEAD, |one, _| call(subject.robot, one));
         std::fs::write(folder.join("main.cpp"), main).expect("writes");
         let mut gcc = Command::new("gcc");
-        command(gcc.args(STRICT).args(["-c", "ours.c"]).current_dir(folder));
+        gcc.args(STRICT).args(["-Wconversion", "-Wshadow", "-c", "ours.c"]);
+        command(gcc.current_dir(folder));
         let mut compile = Command::new("g++");
-        compile.args(["-std=c++17", "-pedantic", "-Wall", "-Wextra", "-Wconversion", "-Werror"]);
+        compile.args([
+            "-std=c++17",
+            "-pedantic",
+            "-Wall",
+            "-Wextra",
+            "-Wconversion",
+            "-Wshadow",
+            "-Werror",
+        ]);
         compile.args(["-O1", "-ffp-contract=off", "-isystem", EIGEN, "main.cpp", "ours.o"]);
         command(compile.args(["-o", "main", "-lm"]).current_dir(folder));
         execute(subject, folder, &["./main"])
+    }
+}
+
+/// Robots and bundles whose names are those of members and records, and bundles whose names are keywords.
+pub fn compiles_under_names_of_members() {
+    let functions = [Function::LinkPoses, Function::StepRk4, Function::GeneralizedForces];
+    let bundles = ["pose", "matrix", "class", "q"].map(|name| {
+        let members = Bundle::new(name).function(Function::ForwardDynamics);
+        members.function(Function::MassMatrix)
+    });
+    let bundled = robot("double_pendulum").functions(functions).bundles(bundles);
+    for name in ["Link", "Pose", "Matrix", "Eigen", "Step", "Ours"] {
+        let emitted = bundled.clone().type_name(name).emit(Target::Cpp).expect(name);
+        let folder = folder(&format!("cpp_named_{name}"));
+        write(&emitted, &folder);
+        let stem = emitted.files[0].name.trim_end_matches(".hpp").to_owned();
+        let mut compile = Command::new("g++");
+        compile.args(["-std=c++17", "-pedantic", "-Wall", "-Wextra", "-Wshadow", "-Werror"]);
+        compile.args(["-isystem", EIGEN, "-fsyntax-only", "-x", "c++", "-include"]);
+        command(compile.arg(format!("{stem}.hpp")).arg("/dev/null").current_dir(&folder));
     }
 }

@@ -74,6 +74,7 @@ fn cpp_with_eigen() {
         conforms(&cpp::Cpp, &case, FloatType::F64);
     }
     conforms(&cpp::Cpp, &cpp::keywords(), FloatType::F32);
+    cpp::compiles_under_names_of_members();
 }
 
 #[test]

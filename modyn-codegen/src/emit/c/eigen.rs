@@ -32,13 +32,14 @@ impl Backend for Cpp {
     }
 }
 
-/// The keywords and words of C++ that are names in snake case, and no keywords of Rust.
-const WORDS: [&str; 63] = [
+/// The keywords and macros of C++ that are names in snake case, and no keywords of Rust.
+const WORDS: &[&str] = &[
     "alignas",
     "alignof",
     "and",
     "and_eq",
     "asm",
+    "assert",
     "auto",
     "bitand",
     "bitor",
@@ -46,9 +47,16 @@ const WORDS: [&str; 63] = [
     "case",
     "catch",
     "char",
+    "char16_t",
+    "char32_t",
+    "char8_t",
     "class",
+    "co_await",
+    "co_return",
+    "co_yield",
     "compl",
     "concept",
+    "const_cast",
     "consteval",
     "constexpr",
     "constinit",
@@ -56,6 +64,8 @@ const WORDS: [&str; 63] = [
     "default",
     "delete",
     "double",
+    "dynamic_cast",
+    "errno",
     "explicit",
     "export",
     "float",
@@ -79,13 +89,20 @@ const WORDS: [&str; 63] = [
     "protected",
     "public",
     "register",
+    "reinterpret_cast",
     "requires",
     "short",
     "signed",
     "sizeof",
+    "static_assert",
+    "static_cast",
+    "stderr",
+    "stdin",
+    "stdout",
     "switch",
     "template",
     "this",
+    "thread_local",
     "throw",
     "typedef",
     "typeid",
@@ -96,7 +113,28 @@ const WORDS: [&str; 63] = [
     "using",
     "void",
     "volatile",
+    "wchar_t",
     "xor",
+    "xor_eq",
+];
+
+/// The members of each class, and the library: no class has their names.
+const MEMBERS: [&str; 15] = [
+    "Activation",
+    "Contact",
+    "Control",
+    "Eigen",
+    "Link",
+    "Loop",
+    "Matrix",
+    "MatrixRef",
+    "Q",
+    "Rotation",
+    "Scalar",
+    "Shape",
+    "V",
+    "Vector",
+    "VectorRef",
 ];
 
 /// Prints the class of a robot.
@@ -105,7 +143,7 @@ struct Class {
     /// The prefix of names in C.
     prefix: String,
     /// The records that the class has as structs.
-    defined: Vec<&'static str>,
+    defined: Vec<String>,
     text: String,
 }
 
@@ -129,6 +167,9 @@ impl Class {
             self.function(item);
         }
         self.default_settings();
+        if MEMBERS.contains(&&*self.name) || self.defined.contains(&self.name) {
+            self.name += "Robot";
+        }
         let gravity = format!("{:?}", robot.model.gravity());
         let words = [
             ("STEM", robot.stem),
@@ -147,7 +188,7 @@ impl Class {
         for named in all_names(robot.model) {
             let upper = format!("{}_{}", self.prefix, named.kind).to_uppercase();
             let of_c = named.identifiers(&[]);
-            let names = named.identifiers(&WORDS).into_iter().zip(of_c);
+            let names = named.identifiers(WORDS).into_iter().zip(of_c);
             let rows: Vec<String> = names
                 .map(|(name, of_c)| format!("        {name} = {upper}_{}", of_c.to_uppercase()))
                 .collect();
@@ -181,7 +222,10 @@ impl Class {
             _ if result.starts_with("std::array") => "out[0].data()".into(),
             _ => "out.data()".into(),
         };
-        let method = item.name.strip_prefix(&format!("{}_", self.prefix)).unwrap_or(&item.name);
+        let called = item.name.strip_prefix(&format!("{}_", self.prefix)).unwrap_or(&item.name);
+        let is_taken =
+            WORDS.contains(&called) || ["nq", "nv", "links", "numbers"].contains(&called);
+        let method = format!("{called}{}", if is_taken { "_" } else { "" });
         let all = item.parameters.len();
         let described = all - usize::from(item.with_parameters);
         let with = item.with_parameters.then_some((all, "_with"));
@@ -207,7 +251,7 @@ impl Class {
     /// Prints the settings by default.
     fn default_settings(&mut self) {
         for (record, name) in [("StepSettings", "step"), ("ConstraintSettings", "constraint")] {
-            if !self.defined.contains(&record) {
+            if !self.defined.iter().any(|defined| defined == record) {
                 continue;
             }
             let prefix = &self.prefix;
@@ -261,7 +305,7 @@ impl Class {
     /// Returns the type of a layout.
     fn type_of(&self, shape: &Shape) -> String {
         match (CType::new(shape), shape) {
-            (CType::Struct(fields), _) => fields.type_name().into(),
+            (CType::Struct(fields), _) => fields.type_name(),
             (CType::Structs(fields, count), _) => {
                 format!("std::array<{}, {count}>", fields.type_name())
             }

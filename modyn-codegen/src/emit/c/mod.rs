@@ -48,6 +48,14 @@ impl Backend for C {
     }
 }
 
+/// What the numbers of all functions for C mean.
+pub(super) const CONVENTIONS: &str = "SI units, radians. Vectors are in the order of the description's joints, \
+depth first. Matrices are arrays of\n   \
+columns; `rotation[i][j]` of a pose is in row i and column j. Quaternions are x, y, z, w. Twists are\n   \
+angular, then linear; wrenches are the moment, then the force. The velocity of a floating joint is\n   \
+linear, then angular, in the axes of its link. Sets of contacts are numbers: 1 for an active contact, else 0.\n   \
+A struct has only numbers, and can be read as an array of them. Results must not overlap arguments.";
+
 /// An array of numbers.
 #[derive(Clone)]
 pub(super) struct Array {
@@ -191,12 +199,8 @@ impl Printer {
     fn header_file(&self, model: &Model, notes: &str) -> String {
         let upper = self.prefix.to_uppercase();
         format!(
-            "/* Dynamics of a robot, compiled by modyn. SI units, radians; gravity {:?} m/s^2 in world axes.\n   \
-             Vectors are in the order of the description's joints, depth first. Matrices are arrays of columns;\n   \
-             `rotation[i][j]` of a pose is in row i and column j. Quaternions are x, y, z, w. Twists are\n   \
-             angular, then linear; wrenches are the moment, then the force. The velocity of a floating joint is\n   \
-             linear, then angular, in the axes of its link. A struct has only numbers, and can be read as an\n   \
-             array of them. Results must not overlap arguments. {notes}*/\n\
+            "/* Dynamics of a robot, compiled by modyn. Gravity is by default {:?} m/s^2 in world axes.\n   \
+             {CONVENTIONS} {notes}*/\n\
              #ifndef {upper}_H\n#define {upper}_H\n\n\
              #ifdef __cplusplus\nextern \"C\" {{\n#endif\n\n{}\
              #ifdef __cplusplus\n}}\n#endif\n\n#endif\n",

@@ -57,7 +57,7 @@ impl Printer {
             });
         let arguments = passed.collect::<Vec<String>>().join(", ");
         let mut text = format!(
-            "{head}\n{{\n    {real} next[{}];\n    unsigned int step;\n    int i;\n    \
+            "{head}\n{{\n    {real} next[{}];\n    unsigned int step;\n    unsigned int i;\n    \
              for (step = 0; step < steps; ++step) {{\n        {}({arguments}, next);\n",
             step.result.len(),
             step.own_name(),

@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 use super::Robot;
 use super::c_functions::in_c;
 use super::quantity::Quantity;
+use crate::emit::c::CONVENTIONS;
 use crate::emit::c_types::{CType, CTypes};
 use crate::emit::coordinates_in_c;
 use crate::emit::indices::{comment, in_header, indices};
@@ -21,7 +22,7 @@ impl Robot<'_> {
         let quantities: Vec<&Quantity<'_>> = quantities.iter().filter(|q| in_c(q)).collect();
         let of_links = quantities.iter().any(|q| matches!(q.kernels, Kernels::ByLink(_)));
         let mut text = format!(
-            "/* Functions of the robot {}, compiled by modyn. */\n\n\
+            "/* Functions of the robot {}, compiled by modyn.\n   {CONVENTIONS} */\n\n\
              #ifndef {upper}_H\n#define {upper}_H\n\n",
             comment(self.model.name()),
         );
@@ -71,7 +72,13 @@ fn declaration(text: &mut String, quantity: &Quantity<'_>, types: &mut CTypes, p
     }
     let parameter = |name: &str, shape: &Shape| {
         let numbers = || format!("{number} {name}[{upper}_AT_LEAST({})]", shape.len());
-        types.parameter(name, shape).unwrap_or_else(numbers)
+        let structs = types.parameter(name, shape).map(|declared| match CType::new(shape) {
+            CType::Structs(_, n) => {
+                declared.replace(&format!("[{n}]"), &format!("[{upper}_AT_LEAST({n})]"))
+            }
+            _ => declared,
+        });
+        structs.unwrap_or_else(numbers)
     };
     let nonempty = quantity.arguments.iter().filter(|(_, shape)| !shape.is_empty());
     let mut parameters: Vec<String> = nonempty
