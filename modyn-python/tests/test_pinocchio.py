@@ -102,15 +102,15 @@ def test_links(both):
             one = robot.link_pose(q[i], link)
             close(one.rotation, data.oMf[frame].rotation)
             close(one.translation, data.oMf[frame].translation)
-            for own, axes in (("", pin.LOCAL_WORLD_ALIGNED), ("local_", pin.LOCAL)):
+            for end, axes in (("", pin.LOCAL_WORLD_ALIGNED), ("_local", pin.LOCAL)):
                 # Pinocchio's linear part comes first.
                 swap = lambda twist: np.concatenate([twist[3:], twist[:3]])
                 jacobian = swap(pin.computeFrameJacobian(model, data, state[0], frame, axes))
-                close(getattr(robot, f"{own}jacobian")(q[i], link), jacobian[:, both.order])
+                close(getattr(robot, f"jacobian{end}")(q[i], link), jacobian[:, both.order])
                 velocity = pin.getFrameVelocity(model, data, frame, axes).vector
-                close(getattr(robot, f"{own}link_velocity")(q[i], qd[i], link), swap(velocity))
+                close(getattr(robot, f"link_velocity{end}")(q[i], qd[i], link), swap(velocity))
                 acceleration = pin.getFrameClassicalAcceleration(model, data, frame, axes).vector
-                found = getattr(robot, f"{own}link_acceleration")(q[i], qd[i], qdd[i], k)
+                found = getattr(robot, f"link_acceleration{end}")(q[i], qd[i], qdd[i], k)
                 close(found, swap(acceleration))
 
 
