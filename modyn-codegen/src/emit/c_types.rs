@@ -112,7 +112,7 @@ impl CTypes {
         for (field, shape) in fields.nonempty() {
             let docs =
                 docs_of_field(&name, field).map_or(String::new(), |docs| format!(" /* {docs} */"));
-            let _ = writeln!(text, "    {};{docs}", self.field(field, shape));
+            let _ = writeln!(text, "    {};{docs}", self.variable(field, shape));
         }
         let is_array =
             format!("sizeof({prefix}_{name}_t) == {} * sizeof({number})", shape_of(fields).len());
@@ -124,13 +124,18 @@ impl CTypes {
         text
     }
 
-    /// Returns a parameter that is a pointer to structs; `None` for one that is an array of
-    /// numbers.
-    pub(super) fn parameter(&self, name: &str, shape: &Shape) -> Option<String> {
+    /// Returns the declaration of a parameter: a pointer to a struct, or an array. `size` returns the
+    /// text of the length of an array.
+    pub(super) fn parameter(
+        &self,
+        name: &str,
+        shape: &Shape,
+        size: impl Fn(usize) -> String,
+    ) -> String {
         match CType::new(shape) {
-            CType::Numbers => None,
-            CType::Struct(fields) => Some(format!("{} *{name}", self.name(fields))),
-            CType::Structs(fields, count) => Some(format!("{} {name}[{count}]", self.name(fields))),
+            CType::Struct(fields) => format!("{} *{name}", self.name(fields)),
+            CType::Structs(fields, n) => format!("{} {name}[{}]", self.name(fields), size(n)),
+            CType::Numbers => format!("{} {name}[{}]", self.number, size(shape.len())),
         }
     }
 
@@ -138,8 +143,8 @@ impl CTypes {
         format!("{}_{}_t", self.prefix, fields.name())
     }
 
-    /// Returns the declaration of a field.
-    fn field(&self, name: &str, shape: &Shape) -> String {
+    /// Returns the declaration of a field or a variable.
+    pub(super) fn variable(&self, name: &str, shape: &Shape) -> String {
         match CType::new(shape) {
             CType::Struct(fields) => format!("{} {name}", self.name(fields)),
             CType::Structs(fields, count) => format!("{} {name}[{count}]", self.name(fields)),
@@ -195,7 +200,7 @@ fn dimensions(shape: &Shape) -> Vec<usize> {
 /// Returns what a struct is.
 pub(super) fn docs_of_record(name: &str) -> Option<&'static str> {
     Some(match name {
-        "pose" => "A pose: rotation[i][j] is the entry in row i and column j; the translation, m.",
+        "pose" => "A pose: the rotation, and the translation, m.",
         "twist" => {
             "A velocity (rad/s, m/s), an acceleration or a displacement: its angular and its linear part."
         }

@@ -1,7 +1,7 @@
 //! Checks of users' functions: those that need no robot, and the words for errors of tracing.
 
 use super::own_names::{OwnNames, name_defect};
-use crate::names;
+use crate::names::{self, CPP_WORDS};
 use crate::plan::{
     ARGUMENTS, Argument, ArgumentKind, MAX_USER_OPERATIONS, NamedFunction, UserForm, UserPlanError,
 };
@@ -9,79 +9,40 @@ use crate::trace::UserTraceError;
 use modyn_read::diagnostics::{Code, Diagnostic};
 use modyn_runtime::{UserArgument, UserArgumentKind};
 
-/// Names that arguments cannot have: local names of generated code, types and functions of C and
-/// CUDA, and their keywords.
+/// Names that arguments cannot have beside [`CPP_WORDS`]: local names of generated code, and types
+/// and functions of C and CUDA.
 const RESERVED: &[&str] = &[
-    "asm",
-    "auto",
     "bodies",
     "body",
-    "bool",
-    "case",
-    "char",
-    "class",
     "common",
     "cos",
-    "default",
-    "delete",
-    "double",
-    "explicit",
-    "export",
     "fabs",
     "fabsf",
-    "float",
     "fma",
     "fmaf",
-    "friend",
-    "goto",
     "i",
-    "inline",
     "inputs",
-    "int",
     "j",
     "k",
     "kernel",
     "link",
-    "long",
     "memcpy",
-    "mutable",
     "n",
-    "namespace",
-    "new",
     "null",
     "of",
-    "operator",
     "out",
     "outputs",
     "own",
     "params",
     "placement",
-    "private",
-    "protected",
-    "public",
-    "register",
-    "restrict",
     "result",
-    "short",
-    "signed",
     "sin",
-    "sizeof",
     "sqrt",
     "sqrtf",
     "state",
     "states",
-    "switch",
     "table",
-    "template",
-    "this",
-    "throw",
-    "typedef",
     "uniform",
-    "union",
-    "unsigned",
-    "using",
-    "void",
-    "volatile",
     "x",
 ];
 
@@ -136,7 +97,9 @@ fn argument_defect(argument: &UserArgument, function: &NamedFunction) -> Option<
             "use letters and single underscores between them, such as `end_force`",
         );
     }
-    if RESERVED.contains(&name) || function.names().any(|other| other == name) {
+    if [RESERVED, CPP_WORDS].iter().any(|words| words.contains(&name))
+        || function.names().any(|other| other == name)
+    {
         return defect(format!("generated code has another `{name}`"), "rename the argument");
     }
     if argument.kind() == UserArgumentKind::Numbers(0) {

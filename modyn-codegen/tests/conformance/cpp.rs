@@ -145,7 +145,7 @@ impl BackEnd for Cpp {
     }
 }
 
-/// Robots and bundles whose names are those of members and records, and bundles whose names are keywords.
+/// Robots have the names of members, records and words of the template; bundles have names of records, members and keywords.
 pub fn compiles_under_names_of_members() {
     let functions = [Function::LinkPoses, Function::StepRk4, Function::GeneralizedForces];
     let bundles = ["pose", "matrix", "class", "q"].map(|name| {
@@ -153,7 +153,7 @@ pub fn compiles_under_names_of_members() {
         members.function(Function::MassMatrix)
     });
     let bundled = robot("double_pendulum").functions(functions).bundles(bundles);
-    for name in ["Link", "Pose", "Matrix", "Eigen", "Step", "Ours"] {
+    for name in ["Link", "Pose", "Matrix", "Eigen", "Step", "Real", "Class", "Members"] {
         let emitted = bundled.clone().type_name(name).emit(Target::Cpp).expect(name);
         let folder = folder(&format!("cpp_named_{name}"));
         write(&emitted, &folder);

@@ -1,28 +1,28 @@
-/* Dynamics of a robot, compiled by modyn: C++17 over STEM.h, with Eigen 3.3 or later. */
-#ifndef UPPER_HPP
-#define UPPER_HPP
+/* Dynamics of a robot, compiled by modyn: C++17 over @STEM@.h, with Eigen 3.3 or later. */
+#ifndef @UPPER@_HPP
+#define @UPPER@_HPP
 
 #include <array>
 #include <cstddef>
 
 #include <Eigen/Core>
 
-#include "STEM.h"
+#include "@STEM@.h"
 
-/// The dynamics of the robot. SI units, radians; gravity GRAVITY m/s^2 in world axes.
+/// The dynamics of the robot. SI units, radians. Gravity is by default @GRAVITY@ m/s^2 in world axes.
 ///
 /// Vectors are in the order of the description's joints, depth first. Quaternions are x, y, z, w. Twists and the
 /// columns of Jacobians are angular, then linear; wrenches are the moment, then the force. The velocity of a
 /// floating joint is linear, then angular, in the axes of its link. No function allocates memory or throws.
-class CLASS {
+class @CLASS@ {
 public:
-    using Scalar = REAL;
+    using Scalar = @REAL@;
     /// The number of coordinates.
-    static constexpr int nq = UPPER_NQ;
+    static constexpr int nq = @UPPER@_NQ;
     /// The number of velocities: the degrees of freedom.
-    static constexpr int nv = UPPER_NV;
+    static constexpr int nv = @UPPER@_NV;
     /// The number of links.
-    static constexpr int links = UPPER_LINKS;
+    static constexpr int links = @UPPER@_LINKS;
 
     template <int Rows, int Columns>
     using Matrix = Eigen::Matrix<Scalar, Rows, Columns,
@@ -36,7 +36,7 @@ public:
     template <int Rows, int Columns>
     using MatrixRef = Eigen::Ref<const Matrix<Rows, Columns>, 0, Eigen::Stride<0, 0>>;
 
-MEMBERSprivate:
+@MEMBERS@private:
     template <std::size_t Size>
     static Vector<static_cast<int>(Size)> numbers(const std::array<bool, Size> &set) noexcept {
         Vector<static_cast<int>(Size)> result;

@@ -1,4 +1,4 @@
-//! C++17 with Eigen: a header with a class over the functions of C, and the two files of these.
+//! C++17 with Eigen: a header with a class over the functions of C, and the two files of C.
 //!
 //! Arguments and results are matrices and vectors of fixed sizes. The results are written where they
 //! are: types of the class have the layout of the numbers in C, and are not aligned to vectors.
@@ -9,6 +9,7 @@ use super::{C, Item, Parameter, Programs, items};
 use crate::emit::c_types::{CType, Fields, docs_of_field, docs_of_record};
 use crate::emit::indices::{all_names, with_enumerations};
 use crate::emit::{Backend, EmitOptions, File, PlannedRobot};
+use crate::names::CPP_WORDS;
 use crate::plan::{ArgumentKind, Elements, Shape};
 use crate::program::Execution;
 
@@ -31,92 +32,6 @@ impl Backend for Cpp {
         C.with_origin(text, origin)
     }
 }
-
-/// The keywords and macros of C++ that are names in snake case, and no keywords of Rust.
-const WORDS: &[&str] = &[
-    "alignas",
-    "alignof",
-    "and",
-    "and_eq",
-    "asm",
-    "assert",
-    "auto",
-    "bitand",
-    "bitor",
-    "bool",
-    "case",
-    "catch",
-    "char",
-    "char16_t",
-    "char32_t",
-    "char8_t",
-    "class",
-    "co_await",
-    "co_return",
-    "co_yield",
-    "compl",
-    "concept",
-    "const_cast",
-    "consteval",
-    "constexpr",
-    "constinit",
-    "decltype",
-    "default",
-    "delete",
-    "double",
-    "dynamic_cast",
-    "errno",
-    "explicit",
-    "export",
-    "float",
-    "friend",
-    "goto",
-    "inline",
-    "int",
-    "linux",
-    "long",
-    "mutable",
-    "namespace",
-    "new",
-    "noexcept",
-    "not",
-    "not_eq",
-    "nullptr",
-    "operator",
-    "or",
-    "or_eq",
-    "private",
-    "protected",
-    "public",
-    "register",
-    "reinterpret_cast",
-    "requires",
-    "short",
-    "signed",
-    "sizeof",
-    "static_assert",
-    "static_cast",
-    "stderr",
-    "stdin",
-    "stdout",
-    "switch",
-    "template",
-    "this",
-    "thread_local",
-    "throw",
-    "typedef",
-    "typeid",
-    "typename",
-    "union",
-    "unix",
-    "unsigned",
-    "using",
-    "void",
-    "volatile",
-    "wchar_t",
-    "xor",
-    "xor_eq",
-];
 
 /// The members of each class, and the library: no class has their names.
 const MEMBERS: [&str; 15] = [
@@ -147,7 +62,7 @@ struct Class {
     text: String,
 }
 
-/// An argument: its declaration, and what C receives.
+/// The declaration of an argument, and the text that passes the argument to C.
 struct Passed {
     declared: String,
     passed: String,
@@ -180,7 +95,7 @@ impl Class {
             ("MEMBERS", &self.text),
         ];
         let head = include_str!("class.hpp").to_owned();
-        words.iter().fold(head, |text, (word, value)| text.replace(word, value))
+        words.iter().fold(head, |text, (word, value)| text.replace(&format!("@{word}@"), value))
     }
 
     /// Prints the enumerations. The entries of arrays are numbers.
@@ -188,7 +103,7 @@ impl Class {
         for named in all_names(robot.model) {
             let upper = format!("{}_{}", self.prefix, named.kind).to_uppercase();
             let of_c = named.identifiers(&[]);
-            let names = named.identifiers(WORDS).into_iter().zip(of_c);
+            let names = named.identifiers(CPP_WORDS).into_iter().zip(of_c);
             let rows: Vec<String> = names
                 .map(|(name, of_c)| format!("        {name} = {upper}_{}", of_c.to_uppercase()))
                 .collect();
@@ -224,7 +139,7 @@ impl Class {
         };
         let called = item.name.strip_prefix(&format!("{}_", self.prefix)).unwrap_or(&item.name);
         let is_taken =
-            WORDS.contains(&called) || ["nq", "nv", "links", "numbers"].contains(&called);
+            CPP_WORDS.contains(&called) || ["nq", "nv", "links", "numbers"].contains(&called);
         let method = format!("{called}{}", if is_taken { "_" } else { "" });
         let all = item.parameters.len();
         let described = all - usize::from(item.with_parameters);
@@ -275,12 +190,8 @@ impl Class {
             self.define(field);
         }
         let record = fields.name();
-        match docs_of_record(&record) {
-            _ if record == "pose" => {
-                self.text += "    /// A pose: the rotation, and the translation, m.\n"
-            }
-            Some(docs) => self.text += &format!("    /// {docs}\n"),
-            None => {}
+        if let Some(docs) = docs_of_record(&record) {
+            let _ = writeln!(self.text, "    /// {docs}");
         }
         let _ = writeln!(self.text, "    struct {name} {{");
         for (field, shape) in fields.nonempty() {

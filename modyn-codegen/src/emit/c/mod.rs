@@ -288,7 +288,7 @@ impl Printer {
         };
         let mut numbers = numbers.into_iter().map(|x| literal(x, self.float));
         let variable = format!("{}_default_{name}_settings", self.prefix);
-        let settings = self.parameter(&variable, shape).replace('*', "");
+        let settings = self.types.variable(&variable, shape);
         let _ = writeln!(self.header, "/* {docs} */\nextern const {settings};\n");
         let _ = writeln!(self.source, "const {settings} = {};\n", value(shape, &mut numbers));
     }
@@ -484,7 +484,7 @@ impl Printer {
 
     /// Returns the declaration of a parameter: structs, or an array of numbers.
     fn parameter(&self, name: &str, shape: &Shape) -> String {
-        self.types.parameter(name, shape).unwrap_or_else(|| self.array(name, shape.len()))
+        self.types.parameter(name, shape, array_size)
     }
 
     /// Returns the parameters for arrays that are read, each followed by a comma.
@@ -494,10 +494,13 @@ impl Printer {
     }
 
     fn array(&self, name: &str, len: usize) -> String {
-        // C has no arrays of length 0.
-        let size = if len == 0 { String::new() } else { len.to_string() };
-        format!("{} {name}[{size}]", self.real())
+        format!("{} {name}[{}]", self.real(), array_size(len))
     }
+}
+
+/// Returns the length of an array: C has no arrays of length 0.
+fn array_size(len: usize) -> String {
+    if len == 0 { String::new() } else { len.to_string() }
 }
 
 /// Returns all functions.

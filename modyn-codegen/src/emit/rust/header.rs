@@ -71,14 +71,7 @@ fn declaration(text: &mut String, quantity: &Quantity<'_>, types: &mut CTypes, p
         text.push('\n');
     }
     let parameter = |name: &str, shape: &Shape| {
-        let numbers = || format!("{number} {name}[{upper}_AT_LEAST({})]", shape.len());
-        let structs = types.parameter(name, shape).map(|declared| match CType::new(shape) {
-            CType::Structs(_, n) => {
-                declared.replace(&format!("[{n}]"), &format!("[{upper}_AT_LEAST({n})]"))
-            }
-            _ => declared,
-        });
-        structs.unwrap_or_else(numbers)
+        types.parameter(name, shape, |n| format!("{upper}_AT_LEAST({n})"))
     };
     let nonempty = quantity.arguments.iter().filter(|(_, shape)| !shape.is_empty());
     let mut parameters: Vec<String> = nonempty
