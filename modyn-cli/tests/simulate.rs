@@ -221,25 +221,25 @@ fn feet_stay_above_the_ground_and_impacts_take_energy() {
         modyn(&[&start[..], &FEET, &["--time", "0.4", "--step", "0.0005"], more].concat())
     };
     let free = run(&[]);
-    let found = run(&["--ground", "plane(friction = 0.8)"]);
-    assert_eq!((free.code, found.code), (0, 0), "{}{}", free.err, found.err);
-    let (head, rows) = table(&found.out);
+    let landed = run(&["--ground", "plane(friction = 0.8)"]);
+    assert_eq!((free.code, landed.code), (0, 0), "{}{}", free.err, landed.err);
+    let (head, rows) = table(&landed.out);
     let [height, dissipated] = ["floating_base.z (m)", "dissipated (J)"].map(|n| column(&head, n));
     let last = rows.last().expect("a row");
     let (_, falling) = table(&free.out);
     assert!(last[height] > falling.last().expect("a row")[height] + 0.05, "{last:?}");
     assert!(last[dissipated] > 0.5, "{}", last[dissipated]);
     // Of 14 J kinetic energy; the method is of first order.
-    assert!(drift(&found.out) < 0.2, "{}", drift(&found.out));
+    assert!(drift(&landed.out) < 0.2, "{}", drift(&landed.out));
     let depth =
-        found.err.split("deepest contact is ").nth(1).and_then(|text| text.split(' ').next());
+        landed.err.split("deepest contact is ").nth(1).and_then(|text| text.split(' ').next());
     let depth: f64 = depth.and_then(|text| text.parse().ok()).expect("a depth");
     // The feet hit the ground at 2.5 m/s.
-    assert!(depth < 0.06, "{}", found.err);
+    assert!(depth < 0.06, "{}", landed.err);
     assert!(!free.err.contains("deepest"), "{}", free.err);
     // The default is 1; without friction the feet slide apart.
     let level = "plane([1, 2, 0], [0, 0, 2], friction = 0.8)";
-    assert_eq!(run(&["--ground", level]).out, found.out);
+    assert_eq!(run(&["--ground", level]).out, landed.out);
     // The page draws the ground where it is, although the feet are a little below.
     let folder = tempfile::tempdir().expect("a folder");
     let page = folder.path().join("fall.html").to_string_lossy().into_owned();
@@ -249,7 +249,7 @@ fn feet_stay_above_the_ground_and_impacts_take_energy() {
         assert_eq!(common::page_data(&html)["ground"], ground);
     }
     for other in ["plane", "plane(friction = 0)"] {
-        assert_ne!(run(&["--ground", other]).out, found.out);
+        assert_ne!(run(&["--ground", other]).out, landed.out);
     }
 }
 

@@ -247,6 +247,12 @@ def test_joints_that_do_not_fit_are_named():
         modyn.conventions.MuJoCo(robot, without)
 
 
+def solve_exactly(model, step):
+    """Lets MuJoCo solve each step of this time to the end."""
+    model.opt.timestep, model.opt.tolerance, model.opt.ls_tolerance = step, 0, 1e-12
+    model.opt.iterations, model.opt.ls_iterations = 300, 100
+
+
 @pytest.mark.parametrize("scene", range(48))
 @pytest.mark.filterwarnings("ignore:.*in `step`")
 def test_motions_on_a_floor(scene):
@@ -255,8 +261,7 @@ def test_motions_on_a_floor(scene):
     case = json.loads((GOLDEN / "floors.json").read_text())[scene]
     robot = modyn.loads(case["mjcf"], file="floor.xml", unread_forces="warn", mimic="independent")
     model = mujoco.MjModel.from_xml_string(case["mjcf"])
-    model.opt.timestep, model.opt.tolerance, model.opt.ls_tolerance = case["step"], 0, 1e-12
-    model.opt.iterations, model.opt.ls_iterations = 300, 100
+    solve_exactly(model, case["step"])
     data = mujoco.MjData(model)
     settings = robot.step_settings()
     settings.tolerance = 1e-13
@@ -318,8 +323,7 @@ def test_collisions_of_a_urdf_touch_the_ground(seed):
     plane = spec.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_PLANE, size=[0, 0, 1], pos=point, contype=0)
     plane.alt.type, plane.alt.zaxis = mujoco.mjtOrientation.mjORIENTATION_ZAXIS, normal
     model = spec.compile()
-    model.opt.timestep, model.opt.tolerance, model.opt.ls_tolerance = 0.002, 0, 1e-12
-    model.opt.iterations, model.opt.ls_iterations = 300, 100
+    solve_exactly(model, 0.002)
     data = mujoco.MjData(model)
     theirs = modyn.conventions.MuJoCo(robot, model)
     settings = robot.step_settings()
@@ -374,8 +378,7 @@ def test_actuators_of_a_urdf(seed):
             kp, kv = (200, 5) if name == "joint3" else (60, 2)
             actuator.set_to_position(kp=kp, kv=kv)
     model = spec.compile()
-    model.opt.timestep, model.opt.tolerance, model.opt.ls_tolerance = 0.002, 0, 1e-12
-    model.opt.iterations, model.opt.ls_iterations = 300, 100
+    solve_exactly(model, 0.002)
     data = mujoco.MjData(model)
     theirs = modyn.conventions.MuJoCo(robot, model)
     settings = robot.step_settings()
@@ -405,8 +408,7 @@ def test_motions_under_controls(scene):
     case = json.loads((GOLDEN / "actuated.json").read_text())[scene]
     robot = modyn.loads(case["mjcf"], file="floor.xml", unread_forces="warn", mimic="independent")
     model = mujoco.MjModel.from_xml_string(case["mjcf"])
-    model.opt.timestep, model.opt.tolerance, model.opt.ls_tolerance = case["step"], 0, 1e-12
-    model.opt.iterations, model.opt.ls_iterations = 300, 100
+    solve_exactly(model, case["step"])
     data = mujoco.MjData(model)
     settings = robot.step_settings()
     settings.tolerance = 1e-13

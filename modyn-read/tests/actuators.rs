@@ -254,7 +254,8 @@ fn assert_same_forces(a: &Model, b: &Model) {
         let numbers = |count: usize, scale: f64| -> Vec<f64> {
             (0..count).map(|k| scale * (1.7 * k as f64 + 0.3).sin()).collect()
         };
-        let (q, qd) = (numbers(model.nq(), 0.9), numbers(model.nv(), 3.0));
+        let q = numbers(model.nq(), 0.9);
+        let qd = numbers(model.nv(), 3.0);
         let names = model.control_names().into_iter();
         let ctrl: Vec<f64> = names.map(|name| name.len() as f64 / 5.0 - 1.0).collect();
         let mut tau = vec![0.0; model.nv()];

@@ -199,11 +199,11 @@ fn rollouts_are_loops_of_steps() {
         let main = rollout_harness(("ARM", step, 21), -1, arguments, (forces, cost));
         let main = main.replace("ARM_CONTROLS", "3");
         // C's functions with run-time parameters have names of their own.
-        let own = format!("ours_{step}(s, s + nq, tau, dt, (ours_step_t *)next)");
+        let described = format!("ours_{step}(s, s + nq, tau, dt, (ours_step_t *)next)");
         let with =
             format!("ours_{step}_with(s, s + nq, tau, dt, params.data(), (ours_step_t *)next)");
-        assert!(main.contains(&own));
-        let main = main.replace(&own, &with);
+        assert!(main.contains(&described));
+        let main = main.replace(&described, &with);
         build(&format!("rollout_{step}"), &builder, (&source.text, &main));
     }
 }

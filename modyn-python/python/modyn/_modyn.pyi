@@ -534,8 +534,8 @@ class Robot:
         self, q: ArrayLike, qd: ArrayLike, *, out: Array | None = None
     ) -> Array:
         """Returns the bias forces (N m or N): inverse dynamics at zero acceleration. They are the
-        Coriolis, centrifugal and gravity forces and those of springs, with damping and friction if
-        these are enabled.
+        Coriolis, centrifugal and gravity forces and the forces of springs, with damping and
+        friction if these are enabled.
 
         Arguments: `q`: (nq,); `qd`: (nv,).
         Result: (nv,). Several states have one more axis, the first.
@@ -744,7 +744,7 @@ class Robot:
     ) -> StepDerivatives:
         """Returns the state after the time `dt` (s) by the semi-implicit Euler method, and its
         derivatives: `a` with respect to the state before and `b` with respect to `tau`. A state has
-        the entries of q (in tangent space), then those of qd.
+        the entries of q (in tangent space), then the entries of qd.
 
         Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number.
         Result: `StepDerivatives`: `q` (nq,), `qd` (nv,), `a` (2 nv, 2 nv), `b` (2 nv, nv). Several
@@ -756,8 +756,8 @@ class Robot:
         """Returns the state after the time `dt` (s) by the semi-implicit Euler method, and the
         gradients and the Hessian of `costate`^T state: `dx` and `dtau` with respect to the state
         before and `tau`, and `dx_dx`, `dx_dtau` and `dtau_dtau`. A state has the entries of q (in
-        tangent space), then those of qd. Displacements of the state after the step are in tangent
-        space, too.
+        tangent space), then the entries of qd. Displacements of the state after the step are in
+        tangent space, too.
 
         Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number; `costate`: (2 nv,).
         Result: `StepHessian`: `q` (nq,), `qd` (nv,), `dx` (2 nv,), `dtau` (nv,), `dx_dx` (2 nv, 2
@@ -778,8 +778,8 @@ class Robot:
         self, q: ArrayLike, qd: ArrayLike, tau: ArrayLike, dt: ArrayLike, *, out: StepDerivatives | None = None
     ) -> StepDerivatives:
         """Returns the state of `step_rk4`, and its derivatives: `a` with respect to the state before
-        and `b` with respect to `tau`. A state has the entries of q (in tangent space), then those
-        of qd.
+        and `b` with respect to `tau`. A state has the entries of q (in tangent space), then the
+        entries of qd.
 
         Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number.
         Result: `StepDerivatives`: `q` (nq,), `qd` (nv,), `a` (2 nv, 2 nv), `b` (2 nv, nv). Several
@@ -801,7 +801,7 @@ class Robot:
     ) -> StepDerivatives:
         """Returns the state of `step_implicit_midpoint`, and the derivatives of the implicit midpoint
         rule: `a` with respect to the state before and `b` with respect to `tau`. A state has the
-        entries of q (in tangent space), then those of qd.
+        entries of q (in tangent space), then the entries of qd.
 
         Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number.
         Result: `StepDerivatives`: `q` (nq,), `qd` (nv,), `a` (2 nv, 2 nv), `b` (2 nv, nv). Several

@@ -31,7 +31,7 @@ impl fmt::Display for ShapeError {
 
 impl core::error::Error for ShapeError {}
 
-pub(super) fn check<T>(
+pub(crate) fn check<T>(
     parameter: &'static str,
     given: &[T],
     expected: usize,

@@ -43,6 +43,7 @@ pub use actuation::ActuatorOutputs;
 pub use constraint_hessians::ConstrainedHessianOutputs;
 pub use constraints::ConstrainedDerivatives;
 pub use derivatives::ForwardDerivatives;
+pub(crate) use errors::check;
 pub use errors::{DecompositionError, FrameError, ModuleMismatch, ShapeError, UpdateError};
 pub use factorization::UduFactorization;
 pub use hessians::{HessianOutputs, StepHessianOutputs};

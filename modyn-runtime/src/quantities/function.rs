@@ -15,7 +15,7 @@ pub enum Function {
     /// `qd`, gravity included, by the recursive Newton-Euler algorithm.
     InverseDynamics,
     /// Returns the bias forces (N m or N): inverse dynamics at zero acceleration. They are the Coriolis,
-    /// centrifugal and gravity forces and those of springs, with damping and friction if these are enabled.
+    /// centrifugal and gravity forces and the forces of springs, with damping and friction if these are enabled.
     BiasForces,
     /// Returns the joint forces (N m or N) that balance gravity and springs at `q` and zero velocity.
     GravityTorques,
@@ -82,18 +82,18 @@ pub enum Function {
     StepSemiImplicit,
     /// Returns the state after the time `dt` (s) by the semi-implicit Euler method, and its derivatives: `a` with
     /// respect to the state before and `b` with respect to `tau`, arrays of columns. A state has the entries of q
-    /// (in tangent space), then those of qd.
+    /// (in tangent space), then the entries of qd.
     StepSemiImplicitDerivatives,
     /// Returns the state after the time `dt` (s) by the semi-implicit Euler method, and the gradients and the Hessian of
     /// `costate`^T state: `dx` and `dtau` with respect to the state before and `tau`, and `dx_dx`, `dx_dtau` and
-    /// `dtau_dtau`, arrays of columns. A state has the entries of q (in tangent space), then those of qd. Displacements
+    /// `dtau_dtau`, arrays of columns. A state has the entries of q (in tangent space), then the entries of qd. Displacements
     /// of the state after the step are in tangent space, too.
     StepSemiImplicitHessian,
     /// Returns the state after the time `dt` (s) under the constant joint forces `tau`, by a Runge-Kutta method of
     /// fourth order. Rotations follow exponential maps, so quaternions keep length 1.
     StepRk4,
     /// Returns the state of `step_rk4`, and its derivatives: `a` with respect to the state before and `b` with respect
-    /// to `tau`, arrays of columns. A state has the entries of q (in tangent space), then those of qd.
+    /// to `tau`, arrays of columns. A state has the entries of q (in tangent space), then the entries of qd.
     StepRk4Derivatives,
     /// Returns the state after the time `dt` (s) under the constant joint forces `tau`, by the implicit midpoint rule: of
     /// second order, symmetric, and stable under stiff damping. Three iterations of simplified Newton solve its
@@ -101,7 +101,7 @@ pub enum Function {
     StepImplicitMidpoint,
     /// Returns the state of `step_implicit_midpoint`, and the derivatives of the implicit midpoint rule: `a` with respect
     /// to the state before and `b` with respect to `tau`, arrays of columns. A state has the entries of q (in tangent
-    /// space), then those of qd.
+    /// space), then the entries of qd.
     StepImplicitMidpointDerivatives,
     /// Returns the joint accelerations under the joint forces `tau` with the loops closed and the active
     /// contacts held. Also returns the wrench on each constraint's link and the unmet part of the constraint's

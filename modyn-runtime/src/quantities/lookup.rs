@@ -82,6 +82,8 @@ impl Function {
                 functions[i] as usize == i,
                 "the rows of the table have the order of the variants of `Function`"
             );
+            let row = &ALL_ROWS[i];
+            assert!(!row.name.is_empty() && (i >= ROWS.len() || !row.docs.is_empty()));
             i += 1;
         }
         functions

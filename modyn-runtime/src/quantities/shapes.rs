@@ -150,27 +150,25 @@ pub fn step_hessian(s: &Sizes) -> Shape {
 }
 
 pub fn constrained(s: &Sizes) -> Shape {
-    let wrenches = Shape::wrench().array(s.constraints);
-    let residuals = Shape::twist().array(s.constraints);
     let fields = vec![
         ("qdd", velocities(s)),
-        ("wrenches", wrenches),
-        ("residuals", residuals),
+        ("wrenches", constraint_wrenches(s)),
+        ("residuals", constraint_twists(s)),
         ("rank", Shape::Scalar),
     ];
     named_fields("ConstrainedForwardDynamics", fields)
 }
 
 pub fn constraint_residual(s: &Sizes) -> Shape {
-    let twists = || Shape::twist().array(s.constraints);
-    named_fields("ConstraintResidual", vec![("displacements", twists()), ("velocities", twists())])
+    let fields = ["displacements", "velocities"].map(|name| (name, constraint_twists(s)));
+    named_fields("ConstraintResidual", fields.into())
 }
 
 pub fn constrained_derivatives(s: &Sizes) -> Shape {
     let matrices = ["dq", "dqd", "dtau"].map(|name| (name, square(s)));
     let change = || Shape::wrench().columns(s.nv).array(s.constraints);
     let changes = ["wrenches_dq", "wrenches_dqd", "wrenches_dtau"].map(|name| (name, change()));
-    let first = [("qdd", velocities(s)), ("wrenches", Shape::wrench().array(s.constraints))];
+    let first = [("qdd", velocities(s)), ("wrenches", constraint_wrenches(s))];
     let fields = [&first[..], &matrices, &changes, &[("rank", Shape::Scalar)]].concat();
     named_fields("ConstrainedForwardDynamicsDerivatives", fields)
 }
@@ -184,7 +182,7 @@ pub fn constrained_hessian(s: &Sizes) -> Shape {
 }
 
 pub fn impact_dynamics(s: &Sizes) -> Shape {
-    let impulses = Shape::wrench().array(s.constraints);
+    let impulses = constraint_wrenches(s);
     let fields = vec![("qd", velocities(s)), ("impulses", impulses), ("rank", Shape::Scalar)];
     named_fields("ImpactDynamics", fields)
 }
@@ -209,7 +207,7 @@ pub fn actuator_forces(s: &Sizes) -> Shape {
 }
 
 pub fn constrained_torques(s: &Sizes) -> Shape {
-    let wrenches = Shape::wrench().array(s.constraints);
+    let wrenches = constraint_wrenches(s);
     let fields = vec![("tau", velocities(s)), ("wrenches", wrenches), ("rank", Shape::Scalar)];
     named_fields("ConstrainedInverseDynamics", fields)
 }

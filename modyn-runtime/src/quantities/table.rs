@@ -60,7 +60,7 @@ pub const ROWS: &[Row] = &[
         result: shapes::velocities,
         docs: "Returns the bias forces (N m or N): inverse dynamics at zero acceleration. They are \
             the Coriolis,\n\
-            centrifugal and gravity forces and those of springs, with damping and friction if \
+            centrifugal and gravity forces and the forces of springs, with damping and friction if \
             these are enabled.",
         default: true,
         hot: true,
@@ -334,7 +334,7 @@ pub const ROWS: &[Row] = &[
             its derivatives: `a` with\n\
             respect to the state before and `b` with respect to `tau`, arrays of columns. A state \
             has the entries of q\n\
-            (in tangent space), then those of qd.",
+            (in tangent space), then the entries of qd.",
         ..Row::INERTIAL
     },
     Row {
@@ -347,7 +347,7 @@ pub const ROWS: &[Row] = &[
             `costate`^T state: `dx` and `dtau` with respect to the state before and `tau`, and \
             `dx_dx`, `dx_dtau` and\n\
             `dtau_dtau`, arrays of columns. A state has the entries of q (in tangent space), then \
-            those of qd. Displacements\n\
+            the entries of qd. Displacements\n\
             of the state after the step are in tangent space, too.",
         ..Row::INERTIAL
     },
@@ -370,7 +370,7 @@ pub const ROWS: &[Row] = &[
         docs: "Returns the state of `step_rk4`, and its derivatives: `a` with respect to the state \
             before and `b` with respect\n\
             to `tau`, arrays of columns. A state has the entries of q (in tangent space), then \
-            those of qd.",
+            the entries of qd.",
         ..Row::INERTIAL
     },
     Row {
@@ -395,7 +395,7 @@ pub const ROWS: &[Row] = &[
             midpoint rule: `a` with respect\n\
             to the state before and `b` with respect to `tau`, arrays of columns. A state has the \
             entries of q (in tangent\n\
-            space), then those of qd.",
+            space), then the entries of qd.",
         ..Row::INERTIAL
     },
     Row {

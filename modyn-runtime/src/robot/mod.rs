@@ -210,7 +210,7 @@ pub trait Robot {
     }
 
     /// Returns the bias forces (N m or N): inverse dynamics at zero acceleration. They are the Coriolis,
-    /// centrifugal and gravity forces and those of springs, with damping and friction if these are enabled.
+    /// centrifugal and gravity forces and the forces of springs, with damping and friction if these are enabled.
     #[doc(alias = "nonlinear effects")]
     #[doc(alias = "pin.nonLinearEffects")]
     #[doc(alias = "qfrc_bias")]
@@ -780,7 +780,7 @@ pub trait Robot {
 
     /// Returns the state after the time `dt` (s) by the semi-implicit Euler method, and its derivatives: `a` with
     /// respect to the state before and `b` with respect to `tau`, arrays of columns. A state has the entries of q
-    /// (in tangent space), then those of qd.
+    /// (in tangent space), then the entries of qd.
     fn step_semi_implicit_derivatives_with<T: Scalar>(
         params: &Self::Params<T>,
         q: &Self::Q<T>,
@@ -819,7 +819,7 @@ pub trait Robot {
 
     /// Returns the state after the time `dt` (s) by the semi-implicit Euler method, and the gradients and the Hessian of
     /// `costate`^T state: `dx` and `dtau` with respect to the state before and `tau`, and `dx_dx`, `dx_dtau` and
-    /// `dtau_dtau`, arrays of columns. A state has the entries of q (in tangent space), then those of qd. Displacements
+    /// `dtau_dtau`, arrays of columns. A state has the entries of q (in tangent space), then the entries of qd. Displacements
     /// of the state after the step are in tangent space, too.
     fn step_semi_implicit_hessian_with<T: Scalar>(
         params: &Self::Params<T>,
@@ -901,7 +901,7 @@ pub trait Robot {
     }
 
     /// Returns the state of `step_rk4`, and its derivatives: `a` with respect to the state before and `b` with respect
-    /// to `tau`, arrays of columns. A state has the entries of q (in tangent space), then those of qd.
+    /// to `tau`, arrays of columns. A state has the entries of q (in tangent space), then the entries of qd.
     fn step_rk4_derivatives_with<T: Scalar>(
         params: &Self::Params<T>,
         q: &Self::Q<T>,
@@ -969,7 +969,7 @@ pub trait Robot {
 
     /// Returns the state of `step_implicit_midpoint`, and the derivatives of the implicit midpoint rule: `a` with respect
     /// to the state before and `b` with respect to `tau`, arrays of columns. A state has the entries of q (in tangent
-    /// space), then those of qd.
+    /// space), then the entries of qd.
     fn step_implicit_midpoint_derivatives_with<T: Scalar>(
         params: &Self::Params<T>,
         q: &Self::Q<T>,

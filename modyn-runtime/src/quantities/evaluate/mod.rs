@@ -16,7 +16,7 @@ use crate::Scalar;
 use crate::equations::Forces;
 use crate::interpreter::{
     ActuatorOutputs, ForwardDerivatives, FrameError, HessianOutputs, Interpreter, ShapeError,
-    StepHessianOutputs, StepOutputs,
+    StepHessianOutputs, StepOutputs, check,
 };
 
 impl<S: Scalar> Interpreter<S> {
@@ -65,10 +65,6 @@ impl<S: Scalar> Interpreter<S> {
             let count = arguments.len();
             return Err(ShapeError::new("arguments", expected, count).into());
         }
-        let check = |name, numbers: &[S], expected| match numbers.len() {
-            length if length == expected => Ok(()),
-            length => Err(ShapeError::new(name, expected, length)),
-        };
         for (argument, numbers) in row.arguments.iter().zip(arguments) {
             check(argument.name, numbers, argument.shape(&sizes).len())?;
         }
