@@ -3,6 +3,7 @@
 
 mod harness;
 mod machine_code;
+mod mujoco;
 mod quantities;
 mod timing;
 
@@ -30,11 +31,13 @@ use harness::{Harness, Measured};
 use machine_code::MachineCode;
 use quantities::{Quantity, State, quantities};
 
-/// Compile a robot and compare it with the interpreter on random states
+/// Compile a robot and compare it with the interpreter on random states, or compare an MJCF with
+/// MuJoCo
 ///
 /// The robot is compiled to machine code in milliseconds, or with --rustc as the Rust text that
-/// `modyn generate` writes. The exit code is 0 if they agree, 1 if they differ or the description
-/// is rejected, 2 if it cannot be compiled on this machine.
+/// `modyn generate` writes. With --mujoco, steps of an MJCF are compared with MuJoCo's, from random
+/// states near its first keyframe. The exit code is 0 if they agree, 1 if they differ or the
+/// description is rejected, 2 if it cannot be compiled, or MuJoCo cannot be run, on this machine.
 #[derive(Args)]
 pub struct Arguments {
     /// The number of random states
@@ -44,9 +47,10 @@ pub struct Arguments {
     #[arg(long, value_name = "SEED", default_value_t = 1)]
     seed: u64,
     /// The largest allowed difference, relative to the largest number of a result. For functions
-    /// that divide by the mass matrix it is multiplied by the mass matrix's condition number
-    #[arg(long, value_name = "X", default_value_t = 1e-10)]
-    tolerance: f64,
+    /// that divide by the mass matrix it is multiplied by the mass matrix's condition number; after
+    /// 50 steps it is multiplied by 100 [default: 1e-10, and 1e-8 with --mujoco]
+    #[arg(long, value_name = "X")]
+    tolerance: Option<f64>,
     /// The functions to compare, separated by commas [default: all that can be compared]
     #[arg(long, value_name = "NAMES", value_parser = functions)]
     functions: Option<Functions>,
@@ -62,12 +66,24 @@ pub struct Arguments {
     /// Keep the sources and the program of rustc in this folder
     #[arg(long, value_name = "FOLDER", requires = "rustc")]
     keep: Option<PathBuf>,
+    /// Compare one step and 50 steps of this MJCF with MuJoCo's, which runs in Python
+    #[arg(
+        long,
+        conflicts_with_all = ["rustc", "functions", "modules", "actuators", "contacts", "ground"],
+    )]
+    mujoco: bool,
+    /// The Python that has the package `mujoco` [default: python3]
+    #[arg(long, value_name = "PATH", requires = "mujoco")]
+    python: Option<PathBuf>,
     /// Print JSON
     #[arg(long)]
     json: bool,
     #[command(flatten)]
     robot: Robot,
 }
+
+/// The allowed difference between compiled code and the interpreter.
+const TOLERANCE: f64 = 1e-10;
 
 /// The comparison of a function.
 struct Row {
@@ -97,6 +113,10 @@ struct Outcome {
 
 /// Compares, and prints the result.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    if arguments.mujoco {
+        return mujoco::run(arguments);
+    }
+    let tolerance = arguments.tolerance.unwrap_or(TOLERANCE);
     let rustc = arguments.rustc.then(harness::rustc).transpose()?;
     let description = arguments.robot.open()?;
     let read = description.read(&arguments.robot.options.read_options());
@@ -150,11 +170,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut rows = Vec::new();
     for (quantity, (results, compiled)) in quantities.iter().zip(&outcome.measured) {
         let (expected, interpreted) = interpret(&mut interpreter, quantity, &outcome.states)?;
-        let relative = arguments.tolerance * ZERO;
+        let relative = tolerance * ZERO;
         let zero = relative * cancelled(&mut single, quantity, &outcome.states, &expected)?;
         let difference = largest_difference(results, &expected, zero);
         let factor = if quantity.solves { condition } else { 1.0 };
-        let bound = arguments.tolerance * factor;
+        let bound = tolerance * factor;
         let name = quantity.function.name();
         rows.push(Row { name, difference, bound, interpreted, compiled: *compiled });
     }
