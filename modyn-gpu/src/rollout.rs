@@ -58,6 +58,9 @@ pub struct RolloutArguments<'a> {
     pub q: &'a GpuArray,
     /// The velocities of the initial states.
     pub qd: &'a GpuArray,
+    /// The states of the actuators in the initial states, for [`Function::StepActuated`]: the
+    /// activations, and the controls that are delayed. `None` for zeros.
+    pub act: Option<&'a GpuArray>,
     /// The controls of all steps, one set after another: an array of `n` states, each with the
     /// scalars of one step times the number of steps. Without the user's function `forces` these
     /// are the joint forces; for [`Function::StepActuated`] the controls of the actuators.
@@ -86,6 +89,7 @@ impl<'a> RolloutArguments<'a> {
             step,
             q,
             qd,
+            act: None,
             controls,
             dt,
             settings: None,
@@ -156,9 +160,15 @@ impl Rollout {
         let trajectory =
             arguments.trajectory.then(|| gpu.empty(size * steps, count)).transpose()?;
         let [unread, unwritten] = &self.absent;
+        let starts = arguments.q.states;
+        let is_actuated = arguments.step == Function::StepActuated && source.activations > 0;
+        let zeros = (is_actuated && arguments.act.is_none())
+            .then(|| gpu.upload(&vec![0.0; source.activations * starts], starts))
+            .transpose()?;
         let buffers = source.buffers.iter().map(|buffer| match buffer {
             RolloutBuffer::StartQ => Some(arguments.q),
             RolloutBuffer::StartQd => Some(arguments.qd),
+            RolloutBuffer::StartAct => arguments.act.or(zeros.as_ref()).or(Some(unread)),
             RolloutBuffer::Controls => Some(arguments.controls),
             RolloutBuffer::Settings => {
                 arguments.settings.or(self.settings[index].as_ref()).or(Some(unread))
@@ -173,7 +183,7 @@ impl Rollout {
         let numbers = [
             gpu.count(count)?,
             gpu.count(steps)?,
-            gpu.count(arguments.q.states)?,
+            gpu.count(starts)?,
             u32::from(arguments.trajectory),
             arguments.dt.to_bits(),
             0,
@@ -198,7 +208,7 @@ impl Rollout {
         })?;
         let kernel = || source.rollouts[index].name.clone();
         let all = [Some(arguments.q), Some(arguments.qd), Some(arguments.controls)];
-        let others = [arguments.settings, arguments.data, arguments.parameters];
+        let others = [arguments.act, arguments.settings, arguments.data, arguments.parameters];
         self.gpu.check_owner(&kernel(), all.into_iter().chain(others).flatten())?;
         let shape = |argument: &str, scalars: usize, array: &GpuArray| GpuError::Shape {
             kernel: kernel(),
@@ -206,18 +216,21 @@ impl Rollout {
             scalars,
             given: array.scalars,
         };
-        for (name, scalars, array) in
-            [("q", source.nq, arguments.q), ("qd", source.nv, arguments.qd)]
-        {
-            if array.scalars != scalars {
-                return Err(shape(name, scalars, array));
-            }
-        }
         let states = |expected: usize, array: &GpuArray| match array.states == expected {
             true => Ok(()),
             false => Err(GpuError::States { kernel: kernel(), expected, given: array.states }),
         };
-        states(arguments.q.states, arguments.qd)?;
+        let is_actuated = arguments.step == Function::StepActuated;
+        let activations = if is_actuated { source.activations } else { 0 };
+        let q = ("q", source.nq, Some(arguments.q));
+        let qd = ("qd", source.nv, Some(arguments.qd));
+        for (name, scalars, array) in [q, qd, ("act", activations, arguments.act)] {
+            let Some(array) = array else { continue };
+            if array.scalars != scalars {
+                return Err(shape(name, scalars, array));
+            }
+            states(arguments.q.states, array)?;
+        }
         let controls = source.rollouts[index].controls;
         if !arguments.controls.scalars.is_multiple_of(controls) {
             return Err(GpuError::Controls {

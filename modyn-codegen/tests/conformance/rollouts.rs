@@ -3,6 +3,7 @@
 
 use std::process::Command;
 
+use modyn_codegen::emit::RolloutBuffer;
 use modyn_codegen::{
     Base, Builder, Contact, ContactKind, Function, GpuLanguage, LoopEnd, RolloutForces,
     RolloutOptions, Target,
@@ -348,23 +349,35 @@ fn rollouts_under_controls() {
         let (source, _) = theirs.emit_rollouts(GpuLanguage::Cuda, &options).expect("good");
         let [rollout] = &*source.rollouts else { panic!("one kernel") };
         assert_eq!((&*rollout.name, rollout.controls), ("theirs_rollout_actuated", controls));
-        let act = if activations > 0 { "act, " } else { "" };
+        let has_act = activations > 0;
+        assert_eq!(source.activations, activations);
+        assert_eq!(source.buffers.contains(&RolloutBuffer::StartAct), has_act);
+        let act = if has_act { "act, " } else { "" };
         let step = format!(
-            "static vector<double> settings = {{ 1e-12, 1 }};\nstatic unsigned current;\nstatic const double *given;\n\
+            "static vector<double> settings = {{ 1e-12, 1 }};\nstatic unsigned current, first;\n\
+            static const double *given;\nstatic vector<double> acts;\n\
             static void ours_step_actuated(const double *q, const double *qd, const double *, const double *dt, double *next)\n{{\n\
             const int n = OURS_NQ + OURS_NV, na = {activations};\n\
             static double start[OURS_NV], act[na + 1], applied[OURS_NV];\nours_actuated_step_t solution;\nconst double *r = (const double *)&solution;\n(void)act;\n\
             for (int j = 0; j < OURS_NV && current == 0; ++j) start[j] = 0;\n\
-            for (int j = 0; j < na && current == 0; ++j) act[j] = 0;\n\
+            for (int j = 0; j < na && current == 0; ++j) act[j] = acts[j * 4 + first];\n\
             ours_step_actuated(q, qd, given, dt, {act}applied, start, (const ours_step_settings_t *)settings.data(), &solution);\n\
             for (int j = 0; j < n; ++j) next[j] = r[j];\n\
             for (int j = 0; j < na; ++j) act[j] = r[n + j];\n\
             for (int j = 0; j < OURS_NV; ++j) start[j] = r[n + na + j];\n}}\n"
         );
-        let forces = "tau[0] = 0; given = u;\ncurrent = k;";
+        let forces = "tau[0] = 0; given = u;\ncurrent = k; first = i % starts;";
         let arguments = ["settings.data(), ", ""];
         let main = rollout_harness(("GRIPPER", "step_actuated", 4), -1, arguments, (forces, ""));
         let main = main.replace("GRIPPER_CONTROLS", &controls.to_string());
+        let given = ["qd.data(), controls.data()", "vector<double> controls("];
+        assert!(given.iter().all(|text| main.contains(text)));
+        let start = if has_act { "qd.data(), acts.data(), controls.data()" } else { given[0] };
+        let filled = format!(
+            "acts.resize({activations} * starts);\nfor (double &x : acts) x = number();\n{}",
+            given[1]
+        );
+        let main = main.replace(given[0], start).replace(given[1], &filled);
         let main = main.replace("int main() {\n", &format!("{step}int main() {{\n"));
         let main = main.replace("worst < 1e-11", "worst < 1e-9");
         build(&format!("rollout_{name}"), &builder, (&source.text, &main));

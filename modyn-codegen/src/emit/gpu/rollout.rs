@@ -49,6 +49,9 @@ pub enum RolloutBuffer {
     StartQ,
     /// The velocities of the initial states.
     StartQd,
+    /// The states of the actuators in the initial states: the argument `act` of `step_actuated`. The
+    /// other kernels do not read it.
+    StartAct,
     /// The controls: control `j` of step `k` of rollout `i` of `n` is number
     /// `(k controls + j) n + i`.
     Controls,
@@ -74,6 +77,7 @@ impl RolloutBuffer {
         match self {
             Self::StartQ => "start_q",
             Self::StartQd => "start_qd",
+            Self::StartAct => "start_act",
             Self::Controls => "controls",
             Self::Settings => "settings",
             Self::Data => "data",
@@ -107,6 +111,8 @@ pub struct RolloutSource {
     pub nq: usize,
     /// The number of degrees of freedom.
     pub nv: usize,
+    /// The number of the states of the actuators; zero without a kernel of `step_actuated`.
+    pub activations: usize,
     /// The number of run-time parameters.
     pub parameters: usize,
     /// The buffers of each kernel. In WGSL their bindings in group 0 are counted in this order, and
@@ -124,8 +130,8 @@ pub struct GpuRollout {
     pub name: String,
     /// The name of the function of a time step; `constrained_forward_dynamics` for a semi-implicit
     /// Euler step that closes the loops and holds contacts. `step` starts from the accelerations of
-    /// the step before; the first step starts from zeros. `step_actuated` also has the activations
-    /// of the step before, zeros in the first step, and no applied forces.
+    /// the step before; the first step starts from zeros. `step_actuated` also has the states of the
+    /// actuators, which begin with `start_act`, and no applied forces.
     pub step: &'static str,
     /// The number of controls of a step.
     pub controls: usize,
@@ -177,9 +183,11 @@ pub(in crate::emit) fn print(
     });
     let steps: Vec<Step<'_>> = of_table.chain(constrained.map(Step::Constrained)).collect();
     let has_settings = steps.iter().any(|step| step.settings() > 0);
+    let activations = steps.iter().map(|step| step.len_of("act")).max().unwrap_or(0);
     let optional = [
         (RolloutBuffer::StartQ, true),
         (RolloutBuffer::StartQd, true),
+        (RolloutBuffer::StartAct, activations > 0),
         (RolloutBuffer::Controls, true),
         (RolloutBuffer::Settings, has_settings),
         (RolloutBuffer::Data, has_functions),
@@ -217,7 +225,7 @@ pub(in crate::emit) fn print(
     let prefix = prefix.into();
     let nq = sizes.nq;
     let nv = sizes.nv;
-    RolloutSource { language, prefix, text, rollouts, nq, nv, parameters, buffers }
+    RolloutSource { language, prefix, text, rollouts, nq, nv, activations, parameters, buffers }
 }
 
 /// The way a kernel computes the state after a time step.
@@ -262,6 +270,12 @@ impl<'a> Step<'a> {
     fn settings(&self) -> usize {
         let mut arguments = self.function().arguments.iter();
         arguments.find(|argument| is_settings(argument)).map_or(0, |argument| argument.len)
+    }
+
+    /// Returns the number of scalars of the argument of this name; zero without it.
+    fn len_of(&self, name: &str) -> usize {
+        let mut arguments = self.function().arguments.iter();
+        arguments.find(|argument| argument.name == name).map_or(0, |argument| argument.len)
     }
 
     fn statements(&self) -> usize {
@@ -333,8 +347,12 @@ fn body(
             .collect::<Vec<_>>()
     };
     let start = |j: usize| format!("{j} * starts + start");
-    let states = [("q", RolloutBuffer::StartQ, nq), ("qd", RolloutBuffer::StartQd, nv)];
-    for (name, buffer, len) in states {
+    let states = [
+        ("q", RolloutBuffer::StartQ, nq),
+        ("qd", RolloutBuffer::StartQd, nv),
+        ("act", RolloutBuffer::StartAct, step.len_of("act")),
+    ];
+    for (name, buffer, len) in states.into_iter().filter(|(.., len)| *len > 0) {
         let _ = writeln!(text, "    {}", dialect.array(name, &numbers(buffer, len, &start)));
     }
     if options.cost.is_some() {
@@ -352,9 +370,7 @@ fn body(
         Step::Constrained(_) => Vec::new(),
     };
     let carried: Vec<&GpuArgument> = named(&CARRIED);
-    for GpuArgument { name, len, .. } in
-        named(&["applied"]).into_iter().chain(carried.iter().copied())
-    {
+    for GpuArgument { name, len, .. } in named(&["applied", "warm_start"]) {
         let zeros = vec![dialect.literal(0.0); *len];
         let _ = writeln!(text, "    {}", dialect.array(name, &zeros));
     }
