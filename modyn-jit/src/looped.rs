@@ -1,8 +1,8 @@
 //! Programs with loops, whose iterations call machine code: the solver of a step.
 //!
 //! What runs before the loops, each routine, and what runs after them are functions of machine
-//! code. The loops themselves run here. In a batch the lanes of each number are states. A state
-//! whose loop has ended keeps its numbers while others go on.
+//! code. The loops themselves run here, or in the code of an object's entry. In a batch the lanes of
+//! each number are states. A state whose loop has ended keeps its numbers while others go on.
 //!
 //! All numbers of a call are in one memory, which is the argument of each function:
 //!
@@ -21,43 +21,43 @@ use crate::real::Real;
 
 /// The code of a program with loops.
 pub(crate) struct LoopedCode {
-    before: Code,
-    after: Code,
+    pub before: Code,
+    pub after: Code,
     /// The code of each routine.
-    routines: Vec<Code>,
-    plan: LoopPlan,
+    pub routines: Vec<Code>,
+    pub plan: LoopPlan,
 }
 
 /// The loops, with the places of all numbers in the memory.
-struct LoopPlan {
-    layout: Layout,
+pub(crate) struct LoopPlan {
+    pub layout: Layout,
     /// The copies of the results of `before` into arrays that routines write.
-    stored: Vec<Copied>,
-    steps: Vec<PlannedStep>,
+    pub stored: Vec<Copied>,
+    pub steps: Vec<PlannedStep>,
 }
 
 /// A call or a loop, with places in the memory.
-enum PlannedStep {
+pub(crate) enum PlannedStep {
     Call { routine: usize, writes: Vec<Copied> },
     Loop { count: usize, end: Option<usize>, steps: Vec<PlannedStep> },
 }
 
 /// A copy of consecutive numbers.
 #[derive(Clone, Copy, Debug)]
-struct Copied {
-    from: usize,
-    to: usize,
-    count: usize,
+pub(crate) struct Copied {
+    pub from: usize,
+    pub to: usize,
+    pub count: usize,
 }
 
 /// The places of numbers in the memory.
-struct Layout {
+pub(crate) struct Layout {
     /// The length of the memory.
-    length: usize,
+    pub length: usize,
     /// The first result of `before`: the number of the program's arguments.
-    before: usize,
+    pub before: usize,
     /// The first number of the arrays.
-    arrays: usize,
+    pub arrays: usize,
     /// The start of each array.
     starts: Vec<usize>,
     /// For each array that no routine writes, the places of its entries among the stored numbers.
@@ -214,10 +214,15 @@ impl LoopedCode {
         }
     }
 
+    /// Returns the largest number of results of a routine.
+    pub fn routine_results(&self) -> usize {
+        self.routines.iter().map(|code| code.results).max().unwrap_or(0)
+    }
+
     /// Runs the code on checked arguments, with this number of states at a time.
     pub fn call<S: Real>(&self, pages: &Pages, arguments: &[&[S]], result: &mut [S], lanes: usize) {
         let LoopPlan { layout, stored, steps } = &self.plan;
-        let routine_results = self.routines.iter().map(|code| code.results).max().unwrap_or(0);
+        let routine_results = self.routine_results();
         let length = layout.length * lanes;
         S::with_scratch(length + routine_results, |scratch| {
             let (memory, results) = scratch.split_at_mut(length);

@@ -238,9 +238,9 @@ mod objects {
             on_vectors(self.instruction_set, float)
         }
 
-        /// The factors of the mass matrix are a type of Rust, and the loops of a solver have no form in object files.
+        /// The factors of the mass matrix are a type of Rust.
         fn has(&self, planned: &Planned) -> bool {
-            planned.function.is_none_or(|f| f != Function::Brge && !f.row().has_solver)
+            planned.function != Some(Function::Brge)
         }
 
         fn takes_parameters(&self) -> bool {

@@ -51,25 +51,17 @@ impl Builder {
         let mut inputs = self.inputs_without(&REFUSED)?;
         let mut plan = inputs.machine_code()?;
         let Inputs { model, files, modules, mut options, .. } = inputs;
-        let help = |function: Function| match function {
-            Function::Brge => Some("use `mass_matrix` and `forward_dynamics`"),
-            _ if function.row().has_solver => Some("use the target `c` or `rust`"),
-            _ => None,
-        };
-        let selected = plan.functions.iter().filter_map(|planned| planned.function);
-        let left_out: Vec<(Function, &str)> =
-            selected.filter_map(|function| Some((function, help(function)?))).collect();
-        plan.functions.retain(|planned| planned.function.and_then(help).is_none());
+        let count = plan.functions.len();
+        plan.functions.retain(|planned| planned.function != Some(Function::Brge));
         plan.factorization.clear();
         // `default` and `all` are requests for the functions that there are.
         let is_wanted = self.options.code.functions.as_ref().is_some_and(|selected| {
             Function::DEFAULT.iter().any(|function| !selected.contains(function))
         });
-        for (function, help) in left_out.into_iter().filter(|_| is_wanted) {
-            let message =
-                format!("`{}` has no form in object files, and is left out", function.name());
+        if is_wanted && plan.functions.len() < count {
+            let message = "`brge` has no form in object files, and is left out";
             let warning = Diagnostic::new(Severity::Warning, Code::Option, message);
-            options.warnings.push(warning.with_help(help));
+            options.warnings.push(warning.with_help("use `mass_matrix` and `forward_dynamics`"));
         }
         let warnings = options.warnings.clone();
         let planning = Planning { plan, model, warnings, files };

@@ -83,6 +83,9 @@ pub(super) const TO_VECTOR: Opcode = Opcode(Some(0x66), &[0x0f, 0x6e]);
 /// The lowest part of a vector register, the first operand, to a general register.
 pub(super) const FROM_VECTOR: Opcode = Opcode(Some(0x66), &[0x0f, 0x7e]);
 
+/// 16 bytes of zeros in a vector register, of itself.
+pub(super) const XOR_VECTOR: Opcode = plain(&[0x0f, 0x57]);
+
 /// The conditions of jumps.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Condition {
@@ -179,6 +182,18 @@ impl Assembler {
     /// Appends an instruction of one operand.
     pub fn unary(&mut self, (opcode, extension): (Opcode, u8), wide: bool, register: u8) {
         self.instruction(opcode, wide, extension, Operand::Register(register));
+    }
+
+    /// Appends the copy of rcx bytes from rsi to rdi.
+    pub fn copy_bytes(&mut self) {
+        // rep movsb
+        self.bytes(&[0xf3, 0xa4]);
+    }
+
+    /// Appends the fill of rcx bytes from rdi on with the byte al.
+    pub fn fill_bytes(&mut self) {
+        // rep stosb
+        self.bytes(&[0xf3, 0xaa]);
     }
 
     /// Appends an operation with an immediate.

@@ -3,22 +3,17 @@
 //!
 //! The frame of an entry, downwards from rbp: on Windows the registers rdi, rsi and xmm6 to xmm15,
 //! which belong to the caller there; then, upwards from rsp, the table of pointers, the pointer to
-//! the results, and the poses of bodies.
+//! the results, and the poses of bodies or the numbers of a program with loops (`looped.rs`).
 
 use super::assembler::{
     ADD, ADDRESS, Assembler, Condition, IMMEDIATE_COMPARE, LOAD, LOAD_SIGNED, LOAD_VECTOR, Label,
     Operand, R8, R9, R10, R11, RAX, RBP, RCX, RDI, RDX, RSI, RSP, SHIFT_LEFT, STORE, STORE_VECTOR,
 };
-use super::convention::{Convention, KEPT, KEPT_GENERAL, KEPT_VECTORS};
+use super::convention::{BODIES, Convention, KEPT, KEPT_GENERAL, KEPT_VECTORS, RESULTS};
+use super::looped::LoopedBody;
 use super::unwind::{Frame, FrameKind};
-use crate::generate::MAX_ARRAYS;
 use crate::generate::x86_64::{Encoder, allocate};
 use Operand::{Code, Memory, Register};
-
-/// The place of the pointer to the results in the frame.
-const RESULTS: i32 = 8 * MAX_ARRAYS as i32;
-/// The place of the poses of bodies.
-const BODIES: i32 = (RESULTS + 8 + 15) / 16 * 16;
 
 /// The source of a pointer in the table.
 #[derive(Clone, Copy, Debug)]
@@ -61,6 +56,8 @@ pub(super) enum Body<'a> {
         /// For each link the number of its pose or of its body's, and the placement on the body.
         links: &'a [(usize, Option<Label>)],
     },
+    /// A program with loops.
+    Looped(&'a LoopedBody<'a>),
 }
 
 /// Appends an entry, and returns its frame.
@@ -71,6 +68,7 @@ pub(super) fn entry(a: &mut Assembler, convention: Convention, call: &Call<'_>) 
     a.bytes(&[0x55, 0x48, 0x89, 0xe5]);
     let bodies = match call.body {
         Body::Poses { sizes: (_, all), .. } => all,
+        Body::Looped(looped) => looped.size(),
         Body::One(_) | Body::Link { .. } => 0,
     };
     let windows = convention == Convention::Windows;
@@ -153,6 +151,7 @@ pub(super) fn entry(a: &mut Assembler, convention: Convention, call: &Call<'_>) 
                 a.call(placed);
             }
         }
+        Body::Looped(looped) => looped.append(a),
     }
     a.bind(end);
     if windows {

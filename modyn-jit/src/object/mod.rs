@@ -30,6 +30,7 @@ mod entry;
 mod file;
 mod helpers;
 mod library;
+mod looped;
 #[cfg(test)]
 mod tests;
 mod text;

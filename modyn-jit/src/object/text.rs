@@ -9,6 +9,7 @@ use super::assembler::{Assembler, Label};
 use super::convention::Convention;
 use super::entry::{Body, Call, Pointer, entry};
 use super::helpers::{helper, is_supported};
+use super::looped::LoopedBody;
 use super::unwind::{Frame, FrameKind};
 use crate::assembly::Assembly;
 use crate::code_size::CodeSize;
@@ -17,6 +18,8 @@ use crate::function::{CompiledFunction, CompiledKernels};
 use crate::generate::x86_64::keeps_bases;
 use crate::helper::{Helper, Linkage};
 use crate::instruction_set::InstructionSet;
+use crate::looped::LoopedCode;
+use crate::machine::Code;
 use crate::real::Real;
 
 /// A name in an object.
@@ -126,6 +129,29 @@ impl<S: Real> Writer<S> {
         self.symbols.push(Symbol { name: name.into(), start, length, is_function });
     }
 
+    /// Returns the parts of the entry of a program with loops.
+    fn looped<'a>(
+        &mut self,
+        function: &CompiledFunction,
+        code: &'a LoopedCode,
+    ) -> LoopedBody<'a> {
+        let mut label = |code: &Code| self.a.label_at(code.entry);
+        let arguments: Vec<usize> =
+            function.arguments.iter().map(|(_, shape)| shape.len()).collect();
+        let given: usize = arguments.iter().sum();
+        // The run-time parameters are the last argument.
+        let parameters = code.plan.layout.before - given;
+        LoopedBody {
+            before: label(&code.before),
+            after: label(&code.after),
+            routines: code.routines.iter().map(label).collect(),
+            arguments: arguments.into_iter().chain([parameters]).collect(),
+            plan: &code.plan,
+            routine_results: code.routine_results(),
+            number: size_of::<S>(),
+        }
+    }
+
     /// Appends the entries of a function: one for the described parameters and one for run-time
     /// parameters.
     fn function(
@@ -160,12 +186,16 @@ impl<S: Real> Writer<S> {
             | CompiledKernels::Looped { .. }
             | CompiledKernels::ByLink(..) => Vec::new(),
         };
+        let looped = match &function.kernels {
+            CompiledKernels::Looped { single, .. } => Some(self.looped(function, single)),
+            _ => None,
+        };
         let body = match (&function.kernels, rows) {
             (CompiledKernels::One(kernel), _) => Body::One(self.a.label_at(kernel.single.entry)),
             (CompiledKernels::ByLink(..), Some(rows)) => Body::Link { rows },
             (CompiledKernels::ByLink(..), None) => unreachable!("the table is there"),
             (CompiledKernels::Looped { .. }, _) => {
-                unreachable!("plans for object files leave out functions with loops")
+                Body::Looped(looped.as_ref().expect("it was made above"))
             }
             (CompiledKernels::Poses { bodies, placed, .. }, _) => {
                 let pose = placed.single.results * size_of::<S>();
