@@ -131,7 +131,7 @@ def test_rollouts_name_what_they_lack():
 
 
 class Motor:
-    """A position actuator by the formulas of Isaac Lab's `DCMotor` and `DelayedPDActuator`."""
+    """A position actuator by the formulas of Isaac Lab 2.3.2's `DCMotor` and `DelayedPDActuator`."""
 
     def __init__(self, delay, **numbers):
         self.delay, self.numbers, self.waiting = delay, numbers, []

@@ -1,6 +1,6 @@
 //! The joint forces of actuators, and their activations after a step, by `MuJoCo`'s laws.
 //!
-//! The torque-speed line is the law of Isaac Lab's `DCMotor`. The delay is as in its
+//! The torque-speed line is the law of Isaac Lab 2.3.2's `DCMotor`. The delay is as in its
 //! `DelayedPDActuator`.
 
 use alloc::{vec, vec::Vec};
