@@ -123,7 +123,8 @@ fn wrong_actuators_are_refused_with_their_joint_and_a_remedy() {
             "the velocity of",
             "rad/s",
         ),
-        (motor("left_hip").with_delay(1001), "left_hip", "more than 1000 steps", "delay = 2"),
+        (motor("left_hip").with_delay(2001), "left_hip", "more than 2000", "delay = 2"),
+        (motor("left_*").with_delay(1001), "left_hip", "2002 steps together", "delay = 2"),
         (JointActuator::position("left_hip", -1.0, 1.0), "left_hip", "a gain", "kp in N m/rad"),
         (JointActuator::position("left_hip", 1.0, f64::NAN), "left_hip", "a gain", "kd in N m"),
         (JointActuator::velocity("left_hip", f64::INFINITY), "left_hip", "a gain", "kd in N m"),
@@ -268,7 +269,7 @@ fn assert_same_forces(a: &Model, b: &Model) {
     assert_eq!(forces(a), forces(b));
 }
 
-/// Forces by the formulas of Isaac Lab's `DCMotor` and `DelayedPDActuator`, on both sides of each kink.
+/// Forces by the formulas of Isaac Lab 2.3.2's `DCMotor` and `DelayedPDActuator`, on both sides of each kink.
 #[test]
 fn the_line_and_the_delay_are_isaac_labs() {
     let [kp, kd, effort, saturation, velocity] = [25.0, 0.4, 12.0, 18.0, 9.0];

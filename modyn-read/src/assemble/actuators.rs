@@ -47,9 +47,20 @@ pub fn apply(description: &mut Description, options: &ReadOptions, report: &mut 
             }
         }
     }
+    let mut delays = 0_usize;
     for (joint, actuator) in given.into_iter().enumerate() {
         let Some(actuator) = actuator else { continue };
         let record = &mut description.joints[joint];
+        let before = delays;
+        delays = delays.saturating_add(actuator.delay);
+        if before <= Actuation::MAX_DELAYS && delays > Actuation::MAX_DELAYS {
+            let message = format!(
+                "with its actuator the delays have {delays} steps together, more than {}",
+                Actuation::MAX_DELAYS
+            );
+            let help = "write the number of steps before a control acts, such as `delay = 2`";
+            push_error(&record.name.text, message, help.into(), report);
+        }
         match of_joint(actuator, joint, record) {
             Ok(actuator) => description.actuation.actuators.push(actuator),
             Err([message, help]) => {
@@ -103,11 +114,6 @@ fn number_error(actuator: &JointActuator) -> Option<[&'static str; 2]> {
             actuator.velocity.is_none() || actuator.saturation.is_some(),
             "its actuator has a no-load speed, `velocity`, and no stall force",
             "write the largest force at rest, `saturation = 30`, or remove `velocity`",
-        ),
-        (
-            actuator.delay <= Actuator::MAX_DELAY,
-            "the delay of its actuator has more than 1000 steps",
-            "write the number of steps before a control acts, such as `delay = 2`",
         ),
     ];
     let failed = checks.into_iter().find(|(is_sound, ..)| !is_sound)?;

@@ -42,8 +42,9 @@ pub struct Actuator {
     pub torque_speed_line: Option<TorqueSpeedLine>,
     /// The range to which the force is clamped.
     pub force_range: Option<[f64; 2]>,
-    /// The number of steps before a control acts, at most [`Actuator::MAX_DELAY`]. The controls that
-    /// do not act yet are states of the actuator, before its activation.
+    /// The number of steps before a control acts; of all actuators together at most
+    /// [`Actuation::MAX_DELAYS`]. The controls that do not act yet are states of the actuator, before
+    /// its activation.
     #[cfg_attr(feature = "serde", serde(default))]
     pub delay: usize,
     /// The activation, which is then the input; `None`: the control is the input.
@@ -151,9 +152,6 @@ pub struct JointForceRange {
 }
 
 impl Actuator {
-    /// The largest number of steps before a control acts.
-    pub const MAX_DELAY: usize = 1000;
-
     /// Returns the number of the actuator's states: the controls that do not act yet, and the
     /// activation.
     #[must_use]
@@ -163,6 +161,10 @@ impl Actuator {
 }
 
 impl Actuation {
+    /// The largest sum of the delays of all actuators, in steps. Generated code moves each control
+    /// that waits by an operation of its own.
+    pub const MAX_DELAYS: usize = 2000;
+
     /// Returns the number of the states of all actuators: of the entries of `act`.
     #[must_use]
     pub fn states(&self) -> usize {

@@ -371,8 +371,14 @@ pub(super) fn check_actuation(model: &Model) -> Vec<ModelError> {
     let is_single =
         |link: usize| model.links.get(link).is_some_and(|link| link.joint.joint_type.nv() == 1);
     let mut names = BTreeMap::new();
+    let mut delays = 0_usize;
     for actuator in actuators {
         let mut report = |kind| errors.push(ModelError { name: actuator.name.clone(), kind });
+        let before = delays;
+        delays = delays.saturating_add(actuator.delay);
+        if before <= Actuation::MAX_DELAYS && delays > Actuation::MAX_DELAYS {
+            report(ModelErrorKind::Delay);
+        }
         if names.insert(&actuator.name, ()).is_some() {
             report(ModelErrorKind::DuplicateName);
         }
@@ -428,9 +434,6 @@ fn check_actuator(actuator: &Actuator, report: &mut impl FnMut(ModelErrorKind)) 
         if ![stall_force, no_load_speed, slope].iter().all(|&x| x > 0.0 && x.is_finite()) {
             report(ModelErrorKind::TorqueSpeedLine);
         }
-    }
-    if actuator.delay > Actuator::MAX_DELAY {
-        report(ModelErrorKind::Delay);
     }
     let laws = [gain, bias]
         .map(|AffineLaw { constant, length, velocity }| finite(&[*constant, *length, *velocity]));

@@ -3,6 +3,8 @@
 use alloc::string::String;
 use core::fmt;
 
+use super::Actuation;
+
 /// A defect of a model's parts, and the part that has it.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
@@ -75,9 +77,11 @@ pub enum ModelErrorKind {
     ActivationTime,
     /// The stall force or the no-load speed of a torque-speed line is not above zero.
     TorqueSpeedLine,
-    /// The delay of an actuator has more than [`Actuator::MAX_DELAY`](super::Actuator::MAX_DELAY) steps.
+    /// The delays of the actuators up to this one have more than
+    /// [`Actuation::MAX_DELAYS`](super::Actuation::MAX_DELAYS) steps together.
     Delay,
-    /// A keyframe has another number of coordinates than the robot.
+    /// A keyframe has another number of coordinates, velocities, controls or activations than the
+    /// robot.
     KeyframeLength,
     /// A keyframe has a quaternion that is not of unit length.
     KeyframeQuaternion,
@@ -142,9 +146,18 @@ impl fmt::Display for ModelError {
             ModelErrorKind::TorqueSpeedLine => {
                 "has a torque-speed line whose force or speed is not above zero"
             }
-            ModelErrorKind::Delay => "has a delay of more than 1000 steps",
+            ModelErrorKind::Delay => {
+                return write!(
+                    f,
+                    "`{}` has a delay with which the delays of the actuators have more than {} steps \
+                     together",
+                    self.name,
+                    Actuation::MAX_DELAYS
+                );
+            }
             ModelErrorKind::KeyframeLength => {
-                "is a keyframe with another number of coordinates than the robot"
+                "is a keyframe with another number of coordinates, velocities, controls or activations \
+                 than the robot"
             }
             ModelErrorKind::KeyframeQuaternion => {
                 "is a keyframe with a quaternion that is not of unit length"
