@@ -2,6 +2,8 @@
 //! other, in the motions of `lab/benches/python/on_ground.py`, which has MuJoCo's times.
 //!
 //! `RUSTFLAGS="-C target-cpu=native" cargo bench --manifest-path lab/Cargo.toml --bench steps`
+//!
+//! With `-- iterations` at the end the iterations of a million steps are counted instead.
 
 mod numbers;
 
@@ -48,6 +50,11 @@ const STEPS: usize = 50;
 const DT: f64 = 0.002;
 const MOTIONS: usize = 64;
 const RUNS: usize = 20;
+const KINDS: [&str; 3] = ["stands", "pushed", "falls"];
+/// The motions of each of the six kinds whose iterations are counted: a million steps.
+const COUNTED: usize = 1_000_000 / 6 / STEPS + 1;
+/// The largest numbers of iterations of the columns of their distribution.
+const COLUMNS: [f64; 7] = [1.0, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0];
 
 /// A motion: its first state, and the joint forces of all steps.
 struct Start<R: Robot> {
@@ -74,7 +81,7 @@ fn lowest<R: Robot + functions::LinkPoses>(q: &R::Q<f64>) -> f64 {
 }
 
 /// Returns the motions of a kind from a posture, which gives each joint's angle by its name.
-fn starts<R>(kind: &str, posture: &dyn Fn(&str) -> f64) -> Vec<Start<R>>
+fn starts<R>(kind: &str, motions: usize, posture: &dyn Fn(&str) -> f64) -> Vec<Start<R>>
 where
     R: Robot + functions::LinkPoses + functions::ConstrainedInverseDynamics,
 {
@@ -105,7 +112,7 @@ where
         }
         Start { state, tau }
     };
-    (0..MOTIONS).map(start).collect()
+    (0..motions).map(start).collect()
 }
 
 /// Returns the angle of a joint whose name ends with one of these; zero for other joints.
@@ -120,8 +127,8 @@ where
 {
     let surfaces = R::PerTouchingShape::from_fn(|_| ContactSurface::default());
     let settings = StepSettings::from_numbers(StepSettings::<f64>::DEFAULT.numbers(), surfaces);
-    for kind in ["stands", "pushed", "falls"] {
-        let motions = starts::<R>(kind, posture);
+    for kind in KINDS {
+        let motions = starts::<R>(kind, MOTIONS, posture);
         let mut least = f64::INFINITY;
         let mut iterations = 0.0;
         let mut unsolved = 0;
@@ -147,13 +154,55 @@ where
     }
 }
 
+/// Prints the distribution of the iterations of a robot's steps, in percent.
+fn count<R>(name: &str, posture: &dyn Fn(&str) -> f64)
+where
+    R: Robot + functions::LinkPoses + functions::ConstrainedInverseDynamics + functions::Step,
+{
+    let surfaces = R::PerTouchingShape::from_fn(|_| ContactSurface::default());
+    let settings = StepSettings::from_numbers(StepSettings::<f64>::DEFAULT.numbers(), surfaces);
+    for kind in KINDS {
+        let mut counts = [0_usize; COLUMNS.len() + 1];
+        let mut most = 0.0_f64;
+        let mut unsolved = 0_usize;
+        for Start { state, tau } in starts::<R>(kind, COUNTED, posture) {
+            let mut step = state.step(DT, &tau, &settings);
+            for k in 0..STEPS {
+                if k > 0 {
+                    step = step.step(DT, &tau, &settings);
+                }
+                counts[COLUMNS.iter().take_while(|&&largest| step.iterations > largest).count()] +=
+                    1;
+                most = most.max(step.iterations);
+                // A residual that is NaN is none that was reached.
+                unsolved += usize::from(!(step.residual <= settings.tolerance));
+            }
+        }
+        let steps = COUNTED * STEPS;
+        let shares = counts.map(|count| format!("{:.3}", 100.0 * count as f64 / steps as f64));
+        println!("| {name} | {kind} | {steps} | {} | {most} | {unsolved} |", shares.join(" | "));
+    }
+}
+
 fn main() {
-    println!("| robot | motion | us a step | iterations | unsolved |\n|---|---|---|---|---|");
-    measure::<Quadruped>("quadruped, four feet", &|joint| {
+    let quadruped = |joint: &str| {
         let front = if joint.starts_with("front") { 1.0 } else { -1.0 };
         let bends = [("hip_pitch", 0.6 * front), ("knee", -1.2 * front)];
         angle(joint, &bends)
-    });
+    };
     let bends = [("hip_pitch", -0.2), ("knee", 0.42), ("ankle_pitch", -0.22)];
-    measure::<Humanoid>("humanoid, eight points", &|joint| angle(joint, &bends));
+    let humanoid = |joint: &str| angle(joint, &bends);
+    let names = ["quadruped, four feet", "humanoid, eight points"];
+    if std::env::args().any(|argument| argument == "iterations") {
+        println!(
+            "| robot | motion | steps | to 1 | 2 | 3 | 4 | 6 | 8 | 12 | more | most | unsolved |"
+        );
+        println!("{}|", "|---".repeat(13));
+        count::<Quadruped>(names[0], &quadruped);
+        count::<Humanoid>(names[1], &humanoid);
+        return;
+    }
+    println!("| robot | motion | us a step | iterations | unsolved |\n|---|---|---|---|---|");
+    measure::<Quadruped>(names[0], &quadruped);
+    measure::<Humanoid>(names[1], &humanoid);
 }

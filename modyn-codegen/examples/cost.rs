@@ -7,7 +7,8 @@
 //! cargo run -p modyn-codegen --example cost -- tests/golden/solo12.urdf point:FL_FOOT point:HR_FOOT impact_dynamics
 //! ```
 //!
-//! Without names of functions, all are measured. A robot with contacts (points and surfaces of links) has a floating base.
+//! Without names of functions, all are measured. A robot with contacts (points and surfaces of links, as
+//! `point:foot@0.1,0,-0.02` with an origin) has a floating base.
 //!
 //! The output is a table in Markdown, from which `lab/record` makes `docs/data/functions.tsv` (operations are in
 //! `docs/data/operations.tsv`). Times are processor time, so that other work on the machine matters little. Do not run it
@@ -85,9 +86,11 @@ fn main() -> Result<()> {
 
 /// Reads `KIND:LINK`; `None` for another word.
 fn contact(text: &str) -> Option<Contact> {
-    let (kind, link) = text.split_once(':')?;
-    let end = LoopEnd { link: link.into(), xyz: [0.0; 3], rpy: [0.0; 3] };
-    Some(Contact { name: link.into(), kind: ContactKind::from_name(kind)?, end })
+    let (kind, place) = text.split_once(':')?;
+    let (link, origin) = place.split_once('@').unwrap_or((place, "0,0,0"));
+    let origin: Option<Vec<f64>> = origin.split(',').map(|x| x.parse().ok()).collect();
+    let end = LoopEnd { link: link.into(), xyz: origin?.try_into().ok()?, rpy: [0.0; 3] };
+    Some(Contact { name: place.into(), kind: ContactKind::from_name(kind)?, end })
 }
 
 /// Seconds in Cargo for a debug build.

@@ -34,6 +34,7 @@ mod scale;
 mod shapes;
 mod soft_steps;
 mod step_hessians;
+mod step_laws;
 mod steps;
 mod ui;
 mod user_crates;

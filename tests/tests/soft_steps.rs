@@ -24,7 +24,7 @@ use serde_json::Value;
 /// Of the largest velocity; the rest is MuJoCo's own tolerance.
 const TOLERANCE: f64 = 1e-8;
 
-fn numbers(value: &Value) -> Vec<f64> {
+pub fn numbers(value: &Value) -> Vec<f64> {
     let values = value.as_array().expect("a list");
     values.iter().map(|x| x.as_f64().expect("a number")).collect()
 }
@@ -33,11 +33,11 @@ fn number(value: &Value) -> f64 {
     value.as_f64().expect("a number")
 }
 
-fn text(value: &Value) -> &str {
+pub fn text(value: &Value) -> &str {
     value.as_str().expect("a text")
 }
 
-fn list(value: &Value) -> &[Value] {
+pub fn list(value: &Value) -> &[Value] {
     value.as_array().expect("a list")
 }
 
@@ -216,24 +216,32 @@ fn touching(seed: u64) -> Model {
 
 /// Returns the random robots of MJCF over a plane in a file of reference data, with their states.
 fn floors(file: &str) -> Vec<(Model, Value)> {
+    let robots = records(file).into_iter().map(|record| (floor(text(&record["mjcf"])), record));
+    robots.collect()
+}
+
+/// Returns the records of a file of reference data: each has the text of a robot, and its states.
+pub fn records(file: &str) -> Vec<Value> {
     let data = std::fs::read_to_string(format!("{}/golden/{file}", env!("CARGO_MANIFEST_DIR")));
     let data: Value = serde_json::from_str(&data.expect("the reference data")).expect("good");
+    list(&data).to_vec()
+}
+
+/// Returns a robot of MJCF over a plane.
+pub fn floor(mjcf: &str) -> Model {
     // The forces of tendons act in steps, and so do all couplings.
     let options = ReadOptions {
         unread_forces: Severity::Warning,
         mimic: Mimic::Independent,
         ..ReadOptions::default()
     };
-    let robots = list(&data).iter().map(|file| {
-        let reading = read(text(&file["mjcf"]), "floor.xml", &options).expect("good");
-        // The other functions have no friction, no tendons and no couplings of a high degree.
-        let others = reading.warnings.iter().filter(|warning| {
-            warning.code != Code::InactiveFriction && !warning.message.contains("in `step` only")
-        });
-        assert_eq!(others.count(), 0, "{:?}", reading.warnings);
-        (reading.model, file.clone())
+    let reading = read(mjcf, "floor.xml", &options).expect("good");
+    // The other functions have no friction, no tendons and no couplings of a high degree.
+    let others = reading.warnings.iter().filter(|warning| {
+        warning.code != Code::InactiveFriction && !warning.message.contains("in `step` only")
     });
-    robots.collect()
+    assert_eq!(others.count(), 0, "{:?}", reading.warnings);
+    reading.model
 }
 
 /// Random robots of MJCF over a plane in general position. The description has shapes, components, cones,
