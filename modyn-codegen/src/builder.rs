@@ -105,8 +105,8 @@ impl Emitted {
         self.files.first().map_or("", |file| &file.text)
     }
 
-    /// Returns the name by which [`Builder::write_as`] writes the files: that of the main file, or
-    /// of the folder of all files.
+    /// Returns the name by which [`Builder::write_as`] writes the files: the name of the main file,
+    /// or of the folder of all files.
     #[must_use]
     pub fn output(&self) -> &str {
         let name = self.files.first().map_or("", |file| &file.name);
@@ -177,7 +177,7 @@ impl Inputs {
         Diagnostics::new(vec![too_long(&self.model, &self.modules, reason)])
     }
 
-    /// Returns the plan for machine code, after adding its warnings to those of the description.
+    /// Returns the plan for machine code, after adding its warnings to the description's warnings.
     fn machine_code(&mut self) -> Result<Plan, Diagnostics> {
         self.choices = std::mem::take(&mut self.choices).of_machine_code();
         let planned = Plan::new(&self.model, &self.modules, &self.choices, Execution::Simd);
@@ -413,7 +413,7 @@ impl Builder {
     /// that print no text. Functions of many states have no programs of their own:
     /// [`Kernels`](crate::plan::Kernels) of one state can be run on vectors with a state in each
     /// lane. Options about text have no effect. Programs of contacts and closed loops may have
-    /// [equations of dependent rows](crate::program::RowEquations), and that of `step` has
+    /// [equations of dependent rows](crate::program::RowEquations), and the program of `step` has
     /// [loops](crate::program::Loops), which
     /// [`around_loops`](crate::program::Program::around_loops) sets apart.
     ///
@@ -560,7 +560,7 @@ impl Builder {
             payload: payload.unwrap_or_default(),
         };
         if let Some(Reading { model, .. }) = &reading {
-            // Options with errors may be those of the functions.
+            // The options with errors may select the functions.
             let functions =
                 errors.is_empty().then(|| self.traced_functions(model, &singular, &choices));
             let traced = functions
@@ -574,9 +574,8 @@ impl Builder {
             choices.bundles = code.bundles.iter().filter_map(planned).collect();
             choices.user_functions = traced.unwrap_or_default();
         }
-        let (Some(Reading { model, mut warnings, files, .. }), Some(modules), true) =
-            (reading, modules, errors.is_empty())
-        else {
+        let without_errors = reading.zip(modules).filter(|_| errors.is_empty());
+        let Some((Reading { model, mut warnings, files, .. }, modules)) = without_errors else {
             return Err(Diagnostics::new(errors));
         };
         warnings.extend(self.name_conflict(&model, &warnings));

@@ -1,7 +1,8 @@
 //! modyn's compiler: from a robot description (URDF, SDF, MJCF) to specialised code.
 //!
 //! ```text
-//! text ─ modyn-read ─▶ Model ─ modules ─▶ equations on Expr (trace) ─▶ Graph ─ passes, plan ─▶ Program ─ emit ─▶ Rust, C99, C++, CUDA, WGSL, CasADi's C, MATLAB
+//! text ─ modyn-read ─▶ Model ─ modules ─▶ equations on Expr (trace) ─▶ Graph
+//! Graph ─ passes, plan ─▶ Program ─ emit ─▶ Rust, C99, C++, CUDA, WGSL, CasADi's C, MATLAB
 //! ```
 //!
 //! The macro `modyn::modyn!`, build scripts and the command line use [`Builder`]. The crate

@@ -96,8 +96,8 @@ macro_rules! option_table {
                 "gravity" gravity(gravity: [f64; 3])
                     gravity: Option<[f64; 3]>, field => *field = Some(gravity),
                     "[x, y, z]", "`[0.0, 0.0, -9.81]`, or the MJCF's or the model's own", "[0, 0, -1.62]";
-                /// Whether the root link is fixed to the world or floats. As described, that of a
-                /// URDF is fixed, and a link of an SDF floats unless a joint connects it to the
+                /// Whether the root link is fixed to the world or floats. With `described`, a
+                /// URDF's root link is fixed, and an SDF's floats unless a joint connects it to the
                 /// world. In every format, `fixed` fixes what floats in the world by itself, where
                 /// the file places it, and `floating` is an error if the robot floats already.
                 "base" base(base: Base)
@@ -172,7 +172,8 @@ macro_rules! option_table {
                     "error | warn", "`error`", "warn";
                 /// The folders of ROS packages, which a description names in `$(find ...)` and
                 /// `package://`. Packages in the folders above the description are found without
-                /// this option, and so are those of `ROS_PACKAGE_PATH` and `AMENT_PREFIX_PATH`.
+                /// this option, and so are packages in the folders of `ROS_PACKAGE_PATH` and
+                /// `AMENT_PREFIX_PATH`.
                 "packages" packages(packages: impl IntoIterator<Item = Package>)
                     packages: Vec<Package>, field => field.extend(packages),
                     "[\"name\": \"folder\", ...]", "found by their names", "[\"arm_description\": \"robots/arm\"]";

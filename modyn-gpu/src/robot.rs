@@ -49,7 +49,7 @@ impl GpuRobot {
         &self.source
     }
 
-    /// Runs a kernel on all states of the arguments. Its name is that of the function
+    /// Runs a kernel on all states of the arguments. Its name is the function's
     /// (`forward_dynamics`); for functions of one link the link's name follows (`link_pose_hand`).
     /// The result stays on the processor; the call does not wait for it.
     ///

@@ -20,7 +20,9 @@ use crate::{Gpu, GpuArray, GpuError};
 ///     <inertia ixx="0.1" iyy="0.1" izz="0.2" ixy="0" ixz="0" iyz="0"/></inertial></link></robot>"#;
 /// let gpu = Gpu::new()?;
 /// let builder = Builder::new().urdf_text(text, "wheel.urdf").functions([Function::StepSemiImplicit]);
-/// let cost = "fn cost(q: array<f32, 1>, qd: array<f32, 1>, u: array<f32, 1>, step: u32) -> f32 { return u[0] * u[0]; }";
+/// let cost = "fn cost(q: array<f32, 1>, qd: array<f32, 1>, u: array<f32, 1>, step: u32) -> f32 {
+///     return u[0] * u[0];
+/// }";
 /// let options = RolloutOptions { cost: Some(cost.into()), ..RolloutOptions::default() };
 /// let rollout = Rollout::new(&gpu, &builder, &options)?;
 /// // Two rollouts of three steps of 0.1 s, from rest: torques of 1, 1, 1 and of 2, 0, -2 N m.

@@ -26,7 +26,7 @@ pub enum CompileError {
     Arguments {
         /// The name of the function or bundle.
         function: &'static str,
-        /// The number of its arrays of numbers, that of the run-time parameters included.
+        /// The number of its arrays of numbers, the array of run-time parameters included.
         arrays: usize,
     },
     /// The system gives no executable memory.
@@ -97,7 +97,7 @@ pub enum CallError {
         /// The name of the function or bundle.
         function: &'static str,
     },
-    /// The number of arguments is not that of the function.
+    /// The function has another number of arguments.
     Arguments {
         /// The name of the function or bundle.
         function: &'static str,

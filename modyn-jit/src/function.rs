@@ -28,7 +28,7 @@ pub(crate) enum CompiledKernels {
     Looped { single: Box<LoopedCode>, batch: Option<Box<LoopedCode>> },
     /// The program of each link, and the code of the programs.
     ByLink(Vec<LinkProgram>, Vec<Kernel>),
-    /// The poses of some links and bodies, and the pose of a link from that of its body. Each link
+    /// The poses of some links and bodies, and the pose of a link from its body's pose. Each link
     /// has the index of its own pose, or the index of its body's pose and the row of its placement.
     Poses { bodies: Kernel, placed: Kernel, links: Vec<LinkProgram> },
 }

@@ -53,7 +53,7 @@ pub(crate) struct Generated {
 pub(crate) const PADDING: u8 = 0xcc;
 
 /// Generates the machine code of values. `size` is the size of a number in bytes. `any_rank` is the
-/// distance from the start of the function to that of the function which its guards call.
+/// distance from the start of the function to the start of the function which its guards call.
 pub(crate) fn generate(
     values: &Values,
     instruction_set: InstructionSet,

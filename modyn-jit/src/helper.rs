@@ -2,9 +2,9 @@
 //!
 //! Unsafe code: the functions read and write through pointers. Only machine code calls them, which
 //! `generate` makes; it passes pointers to `lanes` numbers each. They point into the function's own
-//! stack frame, where nothing else refers to, except that of the angles, which may also point to
-//! the arguments or constants, where nobody writes. The functions do not unwind: a panic in them
-//! would end the process, and they have none.
+//! stack frame, where nothing else refers to, except the pointer to the angles, which may also
+//! point to the arguments or constants, where nobody writes. The functions do not unwind: a panic
+//! in them would end the process, and they have none.
 #![allow(unsafe_code)]
 
 use modyn_runtime::trig_steps;

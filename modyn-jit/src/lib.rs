@@ -31,8 +31,8 @@
 //! `generate` visits them once: it frees the register whose value has the most distant next use,
 //! and an architecture, x86-64 or aarch64, writes the instruction. `machine` holds the pages.
 //!
-//! Results are those of the generated Rust code within rounding, and the same bits at each call.
-//! For a given [`InstructionSet`], they are the same bits as those of
+//! Results equal the generated Rust code's results within rounding, and are the same bits at each
+//! call. For a given [`InstructionSet`], they are bit for bit the results of
 //! [`Program::evaluate`](modyn_codegen::program::Program::evaluate) on numbers that fuse products
 //! where the instruction set does; that includes angles of any size, infinities and zeros. The bits
 //! of a NaN are not specified. Functions have no state: threads can call one robot at the same

@@ -11,7 +11,7 @@ use modyn_runtime::trig_steps::{self, Step as SineStep, Steps};
 
 use crate::instruction_set::InstructionSet;
 use crate::real::Real;
-use crate::values::{Definition, FarCheck, Operation, Reduced, Step, Value, Values};
+use crate::values::{Definition, FarCheck, Negated, Operation, Reduced, Step, Value, Values};
 
 /// The lengths of the arrays of arguments, in the order in which the program numbers their entries.
 pub(crate) type Arrays = [usize];
@@ -363,25 +363,20 @@ impl<S: Real> Lowering<'_, S> {
                 (self.binary(Operation::Multiply, c, d), negative)
             }
         };
-        let signs = (*negative_product != (a.negated != b.negated), negative);
+        let negated =
+            Negated { product: *negative_product != (a.negated != b.negated), addend: negative };
         let [a, b] = [a, b].map(|x| self.magnitude(x, k));
-        self.product_and_sum([a, b], addend, signs)
+        self.product_and_sum([a, b], addend, negated)
     }
 
     /// Returns (-) a b (+ or -) c, rounded once if the instruction set fuses products, else twice.
-    fn product_and_sum(
-        &mut self,
-        [a, b]: [Value; 2],
-        c: Value,
-        (negative_product, negative_addend): (bool, bool),
-    ) -> Value {
+    fn product_and_sum(&mut self, [a, b]: [Value; 2], c: Value, negated: Negated) -> Value {
         let lanes = self.lanes(a);
         if self.fused {
-            let operation = Operation::MultiplyAdd { negative_product, negative_addend };
-            return self.values.operation(operation, &[a, b, c], lanes);
+            return self.values.operation(Operation::MultiplyAdd(negated), &[a, b, c], lanes);
         }
         let product = self.binary(Operation::Multiply, a, b);
-        match (negative_product, negative_addend) {
+        match (negated.product, negated.addend) {
             (false, false) => self.binary(Operation::Add, product, c),
             (false, true) => self.binary(Operation::Subtract, product, c),
             (true, false) => self.binary(Operation::Subtract, c, product),
@@ -502,7 +497,7 @@ impl<S: Real> Lowering<'_, S> {
         for &angle in angles {
             squares = Some(match squares {
                 None => self.binary(Operation::Multiply, angle, angle),
-                Some(sum) => self.product_and_sum([angle, angle], sum, (false, false)),
+                Some(sum) => self.product_and_sum([angle, angle], sum, Negated::default()),
             });
         }
         let angle = trig_steps::limit::<S>();
@@ -527,7 +522,7 @@ impl<S: Real> Lowering<'_, S> {
                 SineStep::Subtract(a, b) => self.binary(Operation::Subtract, values[a], values[b]),
                 SineStep::Multiply(a, b) => self.binary(Operation::Multiply, values[a], values[b]),
                 SineStep::MultiplyAdd(a, b, c) => {
-                    self.product_and_sum([values[a], values[b]], values[c], (false, false))
+                    self.product_and_sum([values[a], values[b]], values[c], Negated::default())
                 }
                 SineStep::FlipSign(a, b) => {
                     let bits = [values[b]];

@@ -9,6 +9,15 @@ use rustc_hash::FxHashMap;
 /// The number of a value.
 pub(crate) type Value = u32;
 
+/// The signs of a product and a sum: (-) a b (+ or -) c.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub(crate) struct Negated {
+    /// Whether the product is negated.
+    pub product: bool,
+    /// Whether c is negated.
+    pub addend: bool,
+}
+
 /// The definition of a value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Definition {
@@ -57,15 +66,10 @@ pub(crate) enum Operation {
     /// The lowest bit as the sign, zeros below.
     ShiftToSign,
     /// (-) a b (+ or -) c, rounded once.
-    MultiplyAdd {
-        /// Whether the product is negated.
-        negative_product: bool,
-        /// Whether c is negated.
-        negative_addend: bool,
-    },
+    MultiplyAdd(Negated),
     /// A scalar in all lanes.
     Broadcast,
-    /// The lanes of a, then those of b.
+    /// The lanes of a, then the lanes of b.
     Join,
     /// The angle from the x axis to the point (b, a), by a call.
     Atan2,
@@ -82,7 +86,7 @@ impl Operation {
             | Self::ShiftToSign
             | Self::Broadcast
             | Self::Logarithm => 1,
-            Self::MultiplyAdd { .. } => 3,
+            Self::MultiplyAdd(_) => 3,
             _ => 2,
         }
     }
@@ -106,7 +110,7 @@ pub(crate) enum Step {
     /// Reduces again the angles that are too large for the fast reduction.
     Check(FarCheck),
     /// Calls the code for rows of any rank and returns, unless all lanes of the first value are
-    /// less than those of the second.
+    /// less than the lanes of the second value.
     Guard([Value; 2]),
 }
 
@@ -126,7 +130,7 @@ pub(crate) struct FarCheck {
 pub(crate) struct Reduced {
     /// The angle.
     pub angle: Value,
-    /// The reduced angle, and a number whose lowest bit is that of the multiple of pi.
+    /// The reduced angle, and a number whose lowest bit is the lowest bit of the multiple of pi.
     pub results: [Value; 2],
 }
 

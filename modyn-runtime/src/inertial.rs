@@ -98,7 +98,7 @@ const ROUNDING: f64 = 8.0;
 impl<S: Scalar> Inertial<S> {
     /// Returns the reason why no rigid body has this inertia; `None` if it is physical.
     ///
-    /// The bounds are those of Traversaro et al. 2016, "Identification of fully physical consistent
+    /// The bounds are from Traversaro et al. 2016, "Identification of fully physical consistent
     /// inertial parameters". The tolerance is 1e-6 of the largest principal moment plus 8 units of
     /// the scalar's precision (2e-15 for `f64`) of m c^2, for the rounding of a centre of mass at
     /// distance c from the link's origin.

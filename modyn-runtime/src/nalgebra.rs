@@ -64,7 +64,7 @@ impl<R: Robot, T: Scalar + RealField> Nalgebra<R, T> {
         R::inverse_dynamics::<T>(array(q), array(qd), array(qdd)).into()
     }
 
-    /// Returns the bias forces: Coriolis, centrifugal and gravity forces, and those of springs.
+    /// Returns the bias forces: Coriolis, centrifugal, gravity and spring forces.
     #[must_use]
     pub fn bias_forces<const NQ: usize, const NV: usize>(
         q: &SVector<T, NQ>,

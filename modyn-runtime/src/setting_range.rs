@@ -71,7 +71,7 @@ pub enum SettingRange {
     Grid,
 }
 
-/// How far an entry of R^T R may be from that of a rotation: files often have three digits.
+/// How far an entry of R^T R may be from the identity's entry: files often have three digits.
 const ORTHONORMAL: f64 = 1e-3;
 
 /// The names and the ranges of [`ConstraintSettings::numbers`].

@@ -131,7 +131,7 @@ impl UserArgument {
         Self { name, kind, varies: false }
     }
 
-    /// Returns an argument of coordinates, such as those of a reference posture.
+    /// Returns an argument of coordinates, such as a reference posture's.
     #[must_use]
     pub const fn coordinates(name: &'static str) -> Self {
         Self::new(name, UserArgumentKind::Coordinates)

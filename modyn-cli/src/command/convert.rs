@@ -24,8 +24,8 @@ pub struct Arguments {
     /// The file to write; `-` for standard output
     #[arg(value_name = "OUT")]
     out: PathBuf,
-    /// The format to write [default: that of the file's extension: `.urdf`; `.xml` or `.mjcf` for
-    /// an MJCF]
+    /// The format to write [default: the format of the file's extension: `.urdf`; `.xml` or `.mjcf`
+    /// for an MJCF]
     #[arg(long, value_name = "FORMAT")]
     to: Option<To>,
 }

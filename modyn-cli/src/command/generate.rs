@@ -56,7 +56,7 @@ pub struct Arguments {
     /// DQ and VL)
     #[arg(long, value_enum)]
     instruction_set: Option<VectorInstructions>,
-    /// The format of `--target object`; that of this system by default. elf: Linux; mach-o: macOS;
+    /// The format of `--target object`; by default this system's format. elf: Linux; mach-o: macOS;
     /// coff: Windows
     #[arg(long, value_enum)]
     object_format: Option<Format>,
@@ -375,8 +375,8 @@ fn object(
         text(&header, &object.header),
         text(&wrapper, &object.wrapper),
     ];
-    let changed = files.into_iter().filter(|file| !has_content(file.path, file.content));
-    let changed: Vec<Written> = changed.collect();
+    let is_changed = |file: &Written| !has_content(file.path, file.content);
+    let changed: Vec<Written> = files.into_iter().filter(is_changed).collect();
     if arguments.check {
         checked(output, !changed.is_empty())
     } else {

@@ -55,7 +55,7 @@ impl Robot {
     pub fn builder(&self, description: &Description) -> Builder {
         let Description { name, text, path } = description;
         let empty = Builder::new();
-        // The path makes the comment of a generated file the same as that of a build script.
+        // The path gives a generated file the same comment as a build script does.
         let builder = match path {
             Some(path) => empty.file(path),
             None => empty.text(text, name),

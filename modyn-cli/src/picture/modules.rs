@@ -58,22 +58,29 @@ pub fn draw(model: &Model, modules: &ModuleTree, sparsity: &Sparsity) -> String 
         below = MARGIN + 36.0,
     );
     let top = TITLE + MARGIN;
-    draw_tree(
-        &mut out,
+    let picture = TreePicture {
         model,
         modules,
-        (&places, box_width),
-        (MARGIN, top + (body - tree.1) / 2.0),
-    );
+        places: &places,
+        box_width,
+        corner: [MARGIN, top + (body - tree.1) / 2.0],
+    };
+    picture.draw(&mut out);
     let blocks = blocks(model, modules);
     let mut left = MARGIN + tree.0 + 30.0;
-    for (name, pattern) in [
+    for (title, pattern) in [
         ("mass matrix M = U D U<tspan dy=\"-5\" font-size=\"11\">T</tspan>", &sparsity.mass_matrix),
         ("U", &sparsity.u),
         ("D", &sparsity.d),
     ] {
-        let corner = (left, top + (body - MATRIX - 60.0) / 2.0 + 14.0);
-        draw_matrix(&mut out, name, pattern, sparsity.n, &blocks, corner);
+        let picture = MatrixPicture {
+            title,
+            pattern,
+            n: sparsity.n,
+            blocks: &blocks,
+            corner: [left, top + (body - MATRIX - 60.0) / 2.0 + 14.0],
+        };
+        picture.draw(&mut out);
         left += MATRIX + BETWEEN;
     }
     out + "</svg>\n"
@@ -116,70 +123,77 @@ fn box_width(model: &Model, modules: &ModuleTree) -> f64 {
     (letters.max().unwrap_or(0) as f64 * LETTER + PADDING).max(BOX.0)
 }
 
-fn draw_tree(
-    out: &mut String,
-    model: &Model,
-    tree: &ModuleTree,
-    (places, box_width): (&[(usize, f64)], f64),
-    (left, top): (f64, f64),
-) {
-    let corner = |m: usize| {
-        let (column, row) = places[m];
-        (left + 70.0 + column as f64 * (box_width + STEP.0), top + row * STEP.1)
-    };
-    let roots = (0..places.len()).filter(|&m| tree.modules()[m].parent.is_none());
-    let rows: Vec<f64> = roots.map(|m| places[m].1).collect();
-    let first = rows.first().unwrap_or(&0.0);
-    let last = rows.last().unwrap_or(&0.0);
-    let base = top + f64::midpoint(*first, *last) * STEP.1 + BOX.1 / 2.0;
-    let _ = writeln!(
-        out,
-        "<circle cx=\"{:.1}\" cy=\"{base:.1}\" r=\"7\"/><text x=\"{:.1}\" y=\"{:.1}\" font-size=\"13\" \
+/// The tree of the modules, from its left upper corner.
+struct TreePicture<'a> {
+    model: &'a Model,
+    modules: &'a ModuleTree,
+    /// For each module, its column and its row.
+    places: &'a [(usize, f64)],
+    box_width: f64,
+    corner: [f64; 2],
+}
+
+impl TreePicture<'_> {
+    fn draw(&self, out: &mut String) {
+        let Self { model, modules, places, box_width, corner: [left, top] } = *self;
+        let corner = |m: usize| {
+            let (column, row) = places[m];
+            (left + 70.0 + column as f64 * (box_width + STEP.0), top + row * STEP.1)
+        };
+        let roots = (0..places.len()).filter(|&m| modules.modules()[m].parent.is_none());
+        let rows: Vec<f64> = roots.map(|m| places[m].1).collect();
+        let first = rows.first().unwrap_or(&0.0);
+        let last = rows.last().unwrap_or(&0.0);
+        let base = top + f64::midpoint(*first, *last) * STEP.1 + BOX.1 / 2.0;
+        let _ = writeln!(
+            out,
+            "<circle cx=\"{:.1}\" cy=\"{base:.1}\" r=\"7\"/><text x=\"{:.1}\" y=\"{:.1}\" font-size=\"13\" \
          text-anchor=\"middle\">base</text>",
-        left + 14.0,
-        left + 14.0,
-        base + 24.0
-    );
-    for (m, module) in tree.modules().iter().enumerate() {
-        let (x, y) = corner(m);
-        let (from_x, from_y) = match module.parent.map(corner) {
-            Some((x, y)) => (x + box_width, y + BOX.1 / 2.0),
-            None => (left + 21.0, base),
-        };
-        let to = y + BOX.1 / 2.0;
-        let bend = f64::midpoint(from_x, x);
-        let _ = writeln!(
-            out,
-            "<path d=\"M{from_x:.1} {from_y:.1} C{bend:.1} {from_y:.1} {bend:.1} {to:.1} {x:.1} {to:.1}\" \
-             fill=\"none\" stroke=\"{LINE}\" stroke-width=\"2\"/>"
+            left + 14.0,
+            left + 14.0,
+            base + 24.0
         );
-        let links = &model.links()[module.links.clone()];
-        let name = |link: Option<&Link>| {
-            markup(&shortened(link.map_or("", |link| &link.name), MAX_NAME_LENGTH))
-        };
-        let first = name(links.first());
-        let last = match links.len() {
-            0 | 1 => String::new(),
-            _ => format!("to {}", name(links.last())),
-        };
-        let x_text = x + 34.0;
-        let [dark, grey] = INK;
-        let _ = writeln!(
-            out,
-            "<rect x=\"{x:.1}\" y=\"{y:.1}\" width=\"{box_width:.1}\" height=\"{}\" rx=\"9\" \
+        for (m, module) in modules.modules().iter().enumerate() {
+            let (x, y) = corner(m);
+            let (from_x, from_y) = match module.parent.map(corner) {
+                Some((x, y)) => (x + box_width, y + BOX.1 / 2.0),
+                None => (left + 21.0, base),
+            };
+            let to = y + BOX.1 / 2.0;
+            let bend = f64::midpoint(from_x, x);
+            let _ = writeln!(
+                out,
+                "<path d=\"M{from_x:.1} {from_y:.1} C{bend:.1} {from_y:.1} {bend:.1} {to:.1} {x:.1} {to:.1}\" \
+             fill=\"none\" stroke=\"{LINE}\" stroke-width=\"2\"/>"
+            );
+            let links = &model.links()[module.links.clone()];
+            let name = |link: Option<&Link>| {
+                markup(&shortened(link.map_or("", |link| &link.name), MAX_NAME_LENGTH))
+            };
+            let first = name(links.first());
+            let last = match links.len() {
+                0 | 1 => String::new(),
+                _ => format!("to {}", name(links.last())),
+            };
+            let x_text = x + 34.0;
+            let [dark, grey] = INK;
+            let _ = writeln!(
+                out,
+                "<rect x=\"{x:.1}\" y=\"{y:.1}\" width=\"{box_width:.1}\" height=\"{}\" rx=\"9\" \
              fill=\"{}\" stroke=\"{dark}\" \
              stroke-width=\"1.2\"/>\n\
              <text x=\"{:.1}\" y=\"{:.1}\" font-size=\"19\" font-weight=\"bold\" fill=\"{dark}\" \
              text-anchor=\"middle\">{m}</text>\n\
              <text x=\"{x_text:.1}\" y=\"{:.1}\" font-size=\"12\" fill=\"{dark}\">{first}</text>\n\
              <text x=\"{x_text:.1}\" y=\"{:.1}\" font-size=\"11\" fill=\"{grey}\">{last}</text>",
-            BOX.1,
-            tint(m),
-            x + 17.0,
-            y + 30.0,
-            y + 20.0,
-            y + 36.0,
-        );
+                BOX.1,
+                tint(m),
+                x + 17.0,
+                y + 30.0,
+                y + 20.0,
+                y + 36.0,
+            );
+        }
     }
 }
 
@@ -196,67 +210,75 @@ fn blocks(model: &Model, tree: &ModuleTree) -> Vec<std::ops::Range<usize>> {
     tree.modules().iter().map(|module| block(module.links.clone())).collect()
 }
 
-fn draw_matrix(
-    out: &mut String,
-    name: &str,
-    pattern: &[bool],
+/// The pattern of a matrix, from its left upper corner.
+struct MatrixPicture<'a> {
+    title: &'a str,
+    /// For each entry, by columns, whether it can be other than zero.
+    pattern: &'a [bool],
+    /// The number of rows.
     n: usize,
-    blocks: &[std::ops::Range<usize>],
-    (left, top): (f64, f64),
-) {
-    let cell = MATRIX / n.max(1) as f64;
-    let _ = writeln!(out, "<g transform=\"translate({left:.1} {top:.1})\">");
-    for (m, block) in blocks.iter().enumerate().filter(|(_, block)| !block.is_empty()) {
-        let at = block.start as f64 * cell;
-        let side = block.len() as f64 * cell;
-        let _ = writeln!(
-            out,
-            "<rect x=\"{at:.2}\" y=\"{at:.2}\" width=\"{side:.2}\" height=\"{side:.2}\" fill=\"{}\"/>",
-            tint(m)
-        );
-    }
-    let gap = (cell * 0.1).min(4.0);
-    let side = cell - 2.0 * gap;
-    for (j, column) in pattern.chunks(n.max(1)).enumerate() {
-        for (i, _) in column.iter().enumerate().filter(|(_, entry)| **entry) {
-            let _ = write!(
-                out,
-                "<rect x=\"{:.2}\" y=\"{:.2}\" width=\"{side:.2}\" height=\"{side:.2}\" \
-                 rx=\"{gap:.2}\" fill=\"{ENTRY}\"/>",
-                j as f64 * cell + gap,
-                i as f64 * cell + gap,
-            );
-        }
-    }
-    out.push('\n');
-    for block in blocks.iter().filter(|block| !block.is_empty()) {
-        for at in [block.start, block.end].map(|at| at as f64 * cell) {
+    /// For each module, its rows and columns.
+    blocks: &'a [std::ops::Range<usize>],
+    corner: [f64; 2],
+}
+
+impl MatrixPicture<'_> {
+    fn draw(&self, out: &mut String) {
+        let Self { title, pattern, n, blocks, corner: [left, top] } = *self;
+        let cell = MATRIX / n.max(1) as f64;
+        let _ = writeln!(out, "<g transform=\"translate({left:.1} {top:.1})\">");
+        for (m, block) in blocks.iter().enumerate().filter(|(_, block)| !block.is_empty()) {
+            let at = block.start as f64 * cell;
+            let side = block.len() as f64 * cell;
             let _ = writeln!(
                 out,
-                "<path d=\"M{at:.2} 0V{MATRIX} M0 {at:.2}H{MATRIX}\" stroke=\"{LINE}\" stroke-width=\"0.8\"/>"
+                "<rect x=\"{at:.2}\" y=\"{at:.2}\" width=\"{side:.2}\" height=\"{side:.2}\" fill=\"{}\"/>",
+                tint(m)
             );
         }
-    }
-    for (m, block) in blocks.iter().enumerate().filter(|(_, block)| !block.is_empty()) {
-        let middle = f64::midpoint(block.start as f64, block.end as f64) * cell;
-        let size = (block.len() as f64 * cell).min(14.0);
+        let gap = (cell * 0.1).min(4.0);
+        let side = cell - 2.0 * gap;
+        for (j, column) in pattern.chunks(n.max(1)).enumerate() {
+            for (i, _) in column.iter().enumerate().filter(|(_, entry)| **entry) {
+                let _ = write!(
+                    out,
+                    "<rect x=\"{:.2}\" y=\"{:.2}\" width=\"{side:.2}\" height=\"{side:.2}\" \
+                 rx=\"{gap:.2}\" fill=\"{ENTRY}\"/>",
+                    j as f64 * cell + gap,
+                    i as f64 * cell + gap,
+                );
+            }
+        }
+        out.push('\n');
+        for block in blocks.iter().filter(|block| !block.is_empty()) {
+            for at in [block.start, block.end].map(|at| at as f64 * cell) {
+                let _ = writeln!(
+                    out,
+                    "<path d=\"M{at:.2} 0V{MATRIX} M0 {at:.2}H{MATRIX}\" stroke=\"{LINE}\" stroke-width=\"0.8\"/>"
+                );
+            }
+        }
+        for (m, block) in blocks.iter().enumerate().filter(|(_, block)| !block.is_empty()) {
+            let middle = f64::midpoint(block.start as f64, block.end as f64) * cell;
+            let size = (block.len() as f64 * cell).min(14.0);
+            let _ = writeln!(
+                out,
+                "<text x=\"{middle:.1}\" y=\"-6\" font-size=\"{size:.1}\" text-anchor=\"middle\">{m}</text>\
+             <text x=\"-6\" y=\"{:.1}\" font-size=\"{size:.1}\" text-anchor=\"end\">{m}</text>",
+                middle + 0.35 * size
+            );
+        }
+        let filled = pattern.iter().filter(|&&entry| entry).count();
         let _ = writeln!(
             out,
-            "<text x=\"{middle:.1}\" y=\"-6\" font-size=\"{size:.1}\" text-anchor=\"middle\">{m}</text>\
-             <text x=\"-6\" y=\"{:.1}\" font-size=\"{size:.1}\" text-anchor=\"end\">{m}</text>",
-            middle + 0.35 * size
-        );
-    }
-    let filled = pattern.iter().filter(|&&entry| entry).count();
-    let _ = writeln!(
-        out,
-        "<rect width=\"{MATRIX}\" height=\"{MATRIX}\" fill=\"none\" stroke=\"{LINE}\" stroke-width=\"1.5\"/>\n\
-         <text x=\"{x}\" y=\"{y}\" font-size=\"17\" font-weight=\"bold\" text-anchor=\"middle\">{name}</text>\n\
+            "<rect width=\"{MATRIX}\" height=\"{MATRIX}\" fill=\"none\" stroke=\"{LINE}\" stroke-width=\"1.5\"/>\n\
+         <text x=\"{x}\" y=\"{y}\" font-size=\"17\" font-weight=\"bold\" text-anchor=\"middle\">{title}</text>\n\
          <text x=\"{x}\" y=\"{below}\" font-size=\"12\" text-anchor=\"middle\">{filled} of {} \
          entries are not zero</text>\n</g>",
-        n * n,
-        x = MATRIX / 2.0,
-        y = MATRIX + 26.0,
-        below = MATRIX + 46.0,
-    );
+            n * n,
+            x = MATRIX / 2.0,
+            y = MATRIX + 26.0,
+            below = MATRIX + 46.0,
+        );
+    }
 }

@@ -154,7 +154,7 @@ fn robot<'s>(out: &mut String, model: &Model, shapes: &'s Shapes, meshes: &mut V
     text(out, model.name());
     key(out, "neutral");
     let mut neutral = vec![0.0; model.nq()];
-    // The length is that of the model.
+    // The slice has the model's length, so the call cannot fail.
     let _ = Interpreter::<f64>::new(model.clone()).neutral(&mut neutral);
     numbers(out, &neutral);
     // The links that are fixed to the world, together.

@@ -54,7 +54,8 @@ pub(super) trait Syntax {
     /// Returns entry `i` of the function's argument with this index.
     fn argument(&self, argument: usize, i: usize) -> String;
 
-    /// Returns the value of the program's argument `i` after those of the function.
+    /// Returns the value of the program's argument `i`, which is no argument of the function: these
+    /// arguments come after the function's.
     fn constant_argument(&self, i: usize) -> String {
         unreachable!("a program's argument {i} is an argument of the function")
     }

@@ -3,7 +3,7 @@
 
 use crate::program::Operation;
 
-/// A function that printers define. The order is that of the definitions.
+/// A function that printers define. They print the definitions in this order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Support {
     SinCos,

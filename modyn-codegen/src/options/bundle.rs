@@ -46,8 +46,8 @@ struct Defect {
 }
 
 impl Bundle {
-    /// Returns a bundle without functions. The name, in snake case, is that of the generated
-    /// function; that of the result's type follows from it.
+    /// Returns a bundle without functions. The generated function has this name, in snake case; the
+    /// name of the result's type follows from it.
     #[must_use]
     pub fn new(name: impl Into<String>) -> Self {
         Self { name: name.into(), members: Vec::new(), batch: false }
@@ -84,7 +84,7 @@ impl Bundle {
         self
     }
 
-    /// Returns the functions of the table without those of one link.
+    /// Returns the functions of the table without the functions of one link.
     pub(crate) fn functions(&self) -> impl Iterator<Item = Function> {
         self.members.iter().filter_map(|member| match member {
             Member::Table(function, None) => Some(*function),

@@ -1,12 +1,12 @@
-//! Names that users give to functions of generated code: those of bundles, and of functions of
-//! their own.
+//! Names that users give to functions of generated code: to bundles, and to functions that they
+//! wrote.
 
 use modyn_read::diagnostics::{Code, Diagnostic};
 
 use crate::names;
 use crate::plan::Function;
 
-/// Names of functions and other items that generated code has besides those of functions.
+/// Names of functions and other items that generated code has beside the functions of the table.
 const RESERVED: &[&str] = &[
     "check_configuration",
     "contacts",
@@ -89,7 +89,7 @@ pub(crate) fn shared_names(all: &[OwnNames]) -> Vec<Diagnostic> {
     errors
 }
 
-/// Returns whether `name` is that of a form of the function `other`.
+/// Returns whether `name` is the name of a form of the function `other`.
 fn is_form(name: &str, other: &str) -> bool {
     let Some(rest) = name.strip_prefix(other).and_then(|rest| rest.strip_prefix('_')) else {
         return false;

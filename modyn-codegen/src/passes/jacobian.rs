@@ -18,9 +18,9 @@ pub fn jacobian(graph: &Graph, inputs: usize, wrt: Range<usize>) -> Graph {
 }
 
 /// Returns the graph of a matrix by columns. `times_vector` is the graph of its product with a
-/// vector, and `vector_times` that of the product of a vector and the matrix; the vector is further
-/// inputs, after the `inputs` inputs of the matrix. One of the two graphs gives the matrix at unit
-/// vectors: that with fewer operations.
+/// vector, and `vector_times` the graph of the product of a vector and the matrix; the vector is
+/// further inputs, after the `inputs` inputs of the matrix. One of the two graphs gives the matrix
+/// at unit vectors: that with fewer operations.
 #[must_use]
 pub fn matrix(
     times_vector: &Graph,

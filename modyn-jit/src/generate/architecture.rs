@@ -58,8 +58,8 @@ pub(super) trait Architecture: Default {
         pinned: u32,
     ) -> u8;
 
-    /// Writes a jump that is taken unless all lanes of the first value are less than those of the
-    /// second. Returns the position to [`patch`](Self::patch).
+    /// Writes a jump that is taken unless all lanes of the first value are less than the lanes of
+    /// the second value. Returns the position to [`patch`](Self::patch).
     fn jump_unless_less(generator: &mut Generator<'_, Self>, values: [Value; 2]) -> usize;
 
     /// Writes a jump, and returns the position to [`patch`](Self::patch).

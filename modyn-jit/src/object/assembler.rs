@@ -59,9 +59,9 @@ pub(super) const MOVE_IF_BELOW: Opcode = plain(&[0x0f, 0x42]);
 /// Shifts the second operand to the left by cl, and fills it from the first.
 pub(super) const SHIFT_IN_BY_CL: Opcode = plain(&[0x0f, 0xa5]);
 
-/// Instructions of one operand, with the extension of the opcode in place of a first operand.
-pub(super) const MULTIPLY_WIDE: (Opcode, u8) = (plain(&[0xf7]), 4);
-pub(super) const NEGATE: (Opcode, u8) = (plain(&[0xf7]), 3);
+/// Extensions of the opcode of arithmetic on one operand.
+pub(super) const MULTIPLY_WIDE: u8 = 4;
+pub(super) const NEGATE: u8 = 3;
 
 // Extensions of the opcodes with an immediate.
 pub(super) const IMMEDIATE_ADD: u8 = 0;
@@ -179,9 +179,9 @@ impl Assembler {
         self.bytes(&[0; 4]);
     }
 
-    /// Appends an instruction of one operand.
-    pub fn unary(&mut self, (opcode, extension): (Opcode, u8), wide: bool, register: u8) {
-        self.instruction(opcode, wide, extension, Operand::Register(register));
+    /// Appends arithmetic on one operand.
+    pub fn unary(&mut self, extension: u8, wide: bool, register: u8) {
+        self.instruction(plain(&[0xf7]), wide, extension, Operand::Register(register));
     }
 
     /// Appends the copy of rcx bytes from rsi to rdi.

@@ -47,7 +47,7 @@ pub(super) enum Body<'a> {
         /// The table, and the number of its rows.
         rows: (Label, usize),
     },
-    /// The poses of bodies, then that of each link.
+    /// The poses of bodies, then the pose of each link.
     Poses {
         bodies: Label,
         placed: Label,

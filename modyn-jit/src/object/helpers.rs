@@ -144,8 +144,8 @@ impl<'a, S: Real> Function<'a, S> {
     }
 
     /// Returns the two parts of a constant in memory.
-    fn sum(&mut self, (number, rest): (f64, f64)) -> [Operand; 2] {
-        [number, rest].map(|part| self.number(part))
+    fn sum(&mut self, parts: (f64, f64)) -> [Operand; 2] {
+        <[f64; 2]>::from(parts).map(|part| self.number(part))
     }
 
     /// Appends c0 + z (c1 + z (...)) to `register`. A coefficient is a numerator and a denominator.
@@ -279,7 +279,7 @@ impl<'a, S: Real> Function<'a, S> {
         self.a.shift(SHIFT_LEFT, wide, RAX, mantissa);
         self.number_of(1, RAX);
         self.float(FLOAT_MULTIPLY, 0, Register(1));
-        // The sign is that of the angle, or the opposite.
+        // The sign is the angle's sign, or the opposite.
         self.a.shift(SHIFT_RIGHT, wide, R10, bits - 1);
         self.a.instruction(XOR, true, R10, Register(R9));
         self.a.shift(SHIFT_LEFT, wide, R10, bits - 1);

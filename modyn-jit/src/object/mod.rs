@@ -16,11 +16,11 @@
 //! and in the crate `modyn::include_model!(humanoid);`, as with `Builder::compile`.
 //!
 //! ```text
-//! plan ─ assembly ─▶ programs ─ text ─▶ programs, helpers, entries ─ file ─▶ ELF, Mach-O, COFF ─ library ─▶ static library
-//!   └─ modyn-codegen ─▶ C header, Rust text
+//! plan ─ assembly ─▶ programs ─ text ─▶ programs, helpers, entries ─ file ─▶ ELF, Mach-O, COFF
+//!   └─ modyn-codegen ─▶ C header, Rust text                 ELF, Mach-O, COFF ─ library ─▶ library
 //! ```
 //!
-//! The programs are those of [`Compiled`](crate::Compiled), with the same instructions: so results
+//! The programs and their instructions are the same as in [`Compiled`](crate::Compiled), so results
 //! are the same bits. The object needs no other code. The host can be any machine: it does not run
 //! the code.
 
@@ -103,7 +103,7 @@ pub struct ObjectOptions {
     /// The vector instructions, of x86-64. Processors without them cannot run the code; `Sse2` by
     /// default, which all of x86-64 have.
     pub instruction_set: InstructionSet,
-    /// The format; by default that of this system.
+    /// The format; by default this system's format.
     pub format: ObjectFormat,
     /// The prefix of the C functions; by default the name of the robot's type in snake case.
     pub prefix: Option<String>,

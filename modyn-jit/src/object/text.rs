@@ -167,7 +167,8 @@ impl<S: Real> Writer<S> {
                 for &LinkProgram { program, placement: row } in links {
                     let program = self.a.label_at(kernels[program].single.entry);
                     self.a.offset(rows, program);
-                    // Without a placement the distance is that of the table, which is never read.
+                    // Without a placement the entry is the distance of the table itself, which is
+                    // never read.
                     self.a.offset(rows, row.map_or(rows, |row| placements[row]));
                 }
                 Some((rows, links.len()))

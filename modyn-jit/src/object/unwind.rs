@@ -134,7 +134,7 @@ fn record(bytes: &mut Vec<u8>, content: &[u8]) {
     bytes.resize(bytes.len() + length - 4 - content.len(), 0);
 }
 
-/// The numbers of registers in unwind codes are those of instructions.
+/// Unwind codes number the registers as instructions do.
 mod windows {
     pub const RBX: u8 = 3;
     pub const RBP: u8 = 5;

@@ -45,7 +45,7 @@ fn compare<F: Fuse>(
     let flat: Vec<F> = (0..state.len()).flat_map(|i| states.iter().map(move |s| s[i])).collect();
     let given = split(&flat, &code.arguments);
     let results = if instruction_set.architecture() == "x86_64" {
-        Emulator::default().run((&assembly.code, code.entry), &given, code.results)
+        Emulator::default().run(&assembly.code, code.entry, &given, code.results)
     } else {
         let pages = Pages::new(&assembly.code).expect("executable memory");
         let mut numbers = vec![F::from_f64(f64::NAN); code.results];
@@ -61,8 +61,8 @@ fn compare<F: Fuse>(
     }
 }
 
-/// Returns the instruction sets that are emulated; on aarch64 those of the host, whose functions
-/// run.
+/// Returns the instruction sets that are emulated; on aarch64 the host's instruction sets, whose
+/// functions run.
 fn instruction_sets() -> impl Iterator<Item = InstructionSet> {
     let host = InstructionSet::detect().map(InstructionSet::architecture);
     let architecture = if host == Some("aarch64") { "aarch64" } else { "x86_64" };

@@ -80,7 +80,8 @@ impl Emulator {
     /// Runs the function at `entry` of the code on arguments, and returns this number of results.
     pub fn run<F: Fuse>(
         &mut self,
-        (code, entry): (&[u8], usize),
+        code: &[u8],
+        entry: usize,
         arguments: &[&[F]],
         results: usize,
     ) -> Vec<F> {

@@ -11,6 +11,7 @@ use crate::generate::x86_64::{Encoder, Encoding, Opcode, Operands, Place, opcode
 use crate::helper::{Helpers, Linkage};
 use crate::instruction_set::InstructionSet;
 use crate::real::Real;
+use crate::values::Negated;
 
 fn decode(code: &[u8]) -> Instruction {
     let mut decoder = Decoder::with_ip(64, code, 0, DecoderOptions::NONE);
@@ -76,7 +77,8 @@ fn three_operands(size: usize, scalar: bool) -> Vec<(Opcode, Mnemonic, bool)> {
     }
     let arithmetic = |(byte, name)| (op::arithmetic(byte, scalar, size), name, true);
     let mut all: Vec<_> = all.into_iter().map(arithmetic).collect();
-    let signs = [(false, false), (false, true), (true, false), (true, true)];
+    let signs = [(false, false), (false, true), (true, false), (true, true)]
+        .map(|(product, addend)| Negated { product, addend });
     let fused = match (size, scalar) {
         (8, true) => [
             [M::Vfmadd132sd, M::Vfmsub132sd, M::Vfnmadd132sd, M::Vfnmsub132sd],
@@ -100,8 +102,8 @@ fn three_operands(size: usize, scalar: bool) -> Vec<(Opcode, Mnemonic, bool)> {
         ],
     };
     for (form, names) in [0x90, 0xa0, 0xb0].into_iter().zip(fused) {
-        for (signs, name) in signs.into_iter().zip(names) {
-            all.push((op::multiply_add(form, signs, scalar, size), name, false));
+        for (negated, name) in signs.into_iter().zip(names) {
+            all.push((op::multiply_add(form, negated, scalar, size), name, false));
         }
     }
     all

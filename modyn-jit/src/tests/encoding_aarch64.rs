@@ -9,6 +9,7 @@ use crate::generate::aarch64::{Access, Encoder, opcodes as op};
 use crate::helper::Linkage;
 use crate::instruction_set::InstructionSet;
 use crate::real::Real;
+use crate::values::Negated;
 
 pub(super) fn decode(word: u32) -> Instruction {
     let bytes = word.to_le_bytes();
@@ -47,10 +48,10 @@ fn operations_are_decoded_unchanged() {
     ];
     let unary = [(op::SQUARE_ROOT, "fsqrt"), (op::NEGATE, "fneg")];
     let fused = [
-        ((false, false), "fmadd"),
-        ((true, false), "fmsub"),
-        ((true, true), "fnmadd"),
-        ((false, true), "fnmsub"),
+        (Negated { product: false, addend: false }, "fmadd"),
+        (Negated { product: true, addend: false }, "fmsub"),
+        (Negated { product: true, addend: true }, "fnmadd"),
+        (Negated { product: false, addend: true }, "fnmsub"),
     ];
     for [a, b, c, d] in orders() {
         for (size, scalar, lanes) in [(8, "d", "2d"), (4, "s", "4s")] {
@@ -76,8 +77,8 @@ fn operations_are_decoded_unchanged() {
                 ];
                 assert_eq!(listing, expected);
             }
-            for (signs, name) in fused {
-                let listing = texts(|e| e.four(op::multiply_add(signs, size), [a, b, c, d]));
+            for (negated, name) in fused {
+                let listing = texts(|e| e.four(op::multiply_add(negated, size), [a, b, c, d]));
                 let expected = format!("{name} {scalar}{a}, {scalar}{b}, {scalar}{c}, {scalar}{d}");
                 assert_eq!(listing, [expected]);
             }
@@ -172,9 +173,9 @@ fn memory_is_decoded_unchanged() {
             if offset == 0 { "mov x2, sp".into() } else { format!("add x2, sp, #0x{offset:x}") };
         assert_eq!(listing, [expected]);
     }
-    let found = texts(|e| e.address(1, 31, 0x12_3456));
-    assert_eq!(constant(&found[..2]), 0x12_3456);
-    assert_eq!(found[2], "add x1, sp, x9");
+    let above_stack = texts(|e| e.address(1, 31, 0x12_3456));
+    assert_eq!(constant(&above_stack[..2]), 0x12_3456);
+    assert_eq!(above_stack[2], "add x1, sp, x9");
     let listing = texts(|e| e.address(1, 14, 5000));
     assert_eq!(constant(&listing[..1]), 5000);
     assert_eq!(listing[1], "add x1, x14, x9");

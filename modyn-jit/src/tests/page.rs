@@ -33,7 +33,8 @@ use crate::values::{Definition, FarCheck, Operation, Step, Value, Values};
 const CART_POLE: &str = r#"<robot name="cart_pole"><link name="rails"/>
 <joint name="slide" type="prismatic"><parent link="rails"/><child link="cart"/><axis xyz="1 0 0"/>
   <limit lower="-2" upper="2" effort="100" velocity="10"/></joint>
-<link name="cart"><inertial><mass value="1.5"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+<link name="cart"><inertial><mass value="1.5"/>
+  <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
 <joint name="hinge" type="continuous"><parent link="cart"/><child link="pole"/><axis xyz="0 1 0"/></joint>
 <link name="pole"><inertial><origin xyz="0 0 0.5"/><mass value="0.25"/>
   <inertia ixx="0.02" iyy="0.02" izz="0.001" ixy="0" ixz="0" iyz="0"/></inertial></link></robot>"#;
@@ -191,9 +192,9 @@ impl Code {
             (Operation::Divide, [a, b]) => format!("{a} / {b}"),
             (Operation::Xor, [a, b]) => format!("{a} xor {b}"),
             (Operation::ShiftToSign, [a]) => format!("lowest bit of {a} as sign"),
-            (Operation::MultiplyAdd { negative_product, negative_addend }, [a, b, c]) => {
-                let sign = if negative_product { "-" } else { "" };
-                let join = if negative_addend { "-" } else { "+" };
+            (Operation::MultiplyAdd(negated), [a, b, c]) => {
+                let sign = if negated.product { "-" } else { "" };
+                let join = if negated.addend { "-" } else { "+" };
                 format!("{sign}{a} * {b} {join} {c}")
             }
             other => panic!("the example has {other:?}"),
@@ -268,8 +269,8 @@ impl Code {
         computed.collect()
     }
 
-    /// Returns the instructions of aarch64 with their words, those of each step after its text; and
-    /// their counts.
+    /// Returns the instructions of aarch64 with their words, the instructions of each step after
+    /// its text; and their counts.
     fn of_aarch64(&self, arrays: usize) -> (String, CodeSize) {
         // Both instruction sets fuse products, and the example has no vectors: so its values are
         // the same.
@@ -297,7 +298,7 @@ impl Code {
         (text, generated.size)
     }
 
-    /// Returns the instructions with their bytes, those of each step after its text.
+    /// Returns the instructions with their bytes, the instructions of each step after its text.
     fn listing(&self) -> String {
         let mut formatter = IntelFormatter::new();
         let options = formatter.options_mut();
@@ -358,7 +359,7 @@ fn the_page_shows_what_the_compiler_does() {
     let builder = Builder::new().urdf_text(CART_POLE, "cart_pole.urdf");
     let (program, arrays) = program(&builder);
     let graph = graph(&builder);
-    // The picture of the graph is that of this program.
+    // The picture of the graph shows this program.
     let again = Program::new(&graph, program.arguments, Execution::Scalar);
     assert_eq!(format!("{:?}", again.statements), format!("{:?}", program.statements));
     let code = Code::new(&program, &arrays);

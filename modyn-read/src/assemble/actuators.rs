@@ -231,11 +231,10 @@ pub fn actuation(
     links: &[Link],
 ) -> Actuation {
     let mut actuation = description.actuation.clone();
-    let places = joints.iter().enumerate();
-    let places: FxHashMap<usize, usize> =
-        places.filter_map(|(link, joint)| Some(((*joint)?, link))).collect();
+    let links_of_joints: FxHashMap<usize, usize> =
+        joints.iter().enumerate().filter_map(|(link, joint)| Some(((*joint)?, link))).collect();
     // The model refuses a joint that none of its links has.
-    let link = |joint: usize| places.get(&joint).copied().unwrap_or(links.len());
+    let link = |joint: usize| links_of_joints.get(&joint).copied().unwrap_or(links.len());
     for tendon in &mut actuation.tendons {
         tendon.joints.iter_mut().for_each(|joint| joint.link = link(joint.link));
     }

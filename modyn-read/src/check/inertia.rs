@@ -120,7 +120,7 @@ pub fn densities(bodies: &[Body], links: &[Link], report: &mut Report<'_>) {
     report.warn_once(Code::ImplausibleMass, &places, &message, help);
 }
 
-/// A density above that of any material (osmium has 22,600), kg/m^3.
+/// A density above the density of any material (osmium has 22,600), kg/m^3.
 const MAX_DENSITY: f64 = 30_000.0;
 
 /// The radius of gyration below which a link counts as a point mass with rounding errors, as a part

@@ -22,7 +22,7 @@ pub struct ReadOptions {
     pub gravity: Option<[f64; 3]>,
     /// The severity of inertias that no rigid body has.
     pub unphysical_inertia: Severity,
-    /// The severity of forces that are not read: those of fluids and tendons of an MJCF.
+    /// The severity of forces that are not read: forces of fluids and tendons in an MJCF.
     pub unread_forces: Severity,
     /// The treatment of mimic joints.
     pub mimic: Mimic,
@@ -35,7 +35,7 @@ pub struct ReadOptions {
     /// The part of damping and friction that acts. `None` is [`Friction::None`], with a warning if
     /// the description has damping or friction.
     pub friction: Option<Friction>,
-    /// The joints that close loops, besides those of the description.
+    /// The joints that close loops, besides the description's.
     pub loops: Vec<Loop>,
     /// The frames of links that can touch the world.
     pub contacts: Vec<Contact>,

@@ -1,4 +1,4 @@
-//! The files that a description can name: those of the file system, or files in memory.
+//! The files that a description can name: files of the file system, or files in memory.
 
 use std::fs::File;
 use std::io::{self, Cursor, Read};

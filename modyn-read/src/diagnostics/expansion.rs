@@ -12,6 +12,16 @@ pub struct ExpansionCall {
     pub parent: usize,
 }
 
+/// The origin of a byte of an expanded text.
+pub struct Origin<'c> {
+    /// The offset in the report's files.
+    pub at: usize,
+    /// The calls of the expansion; the first is the file itself.
+    pub calls: &'c [ExpansionCall],
+    /// The call that led there.
+    pub call: usize,
+}
+
 /// The origins of the bytes of an expanded text.
 #[derive(Default)]
 pub struct Expansion {

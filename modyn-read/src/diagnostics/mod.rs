@@ -20,7 +20,7 @@ mod suggest;
 pub use code::Code;
 pub use diagnostic::{Diagnostic, Diagnostics, Position, Severity, Subject};
 pub use display::{is_unprintable, listed, sanitize_for_display};
-pub(crate) use expansion::{Expansion, ExpansionCall};
+pub(crate) use expansion::{Expansion, ExpansionCall, Origin};
 pub(crate) use report::{Place, Report};
 pub(crate) use suggest::Suggestions;
 pub use suggest::suggest;

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use super::code::Code;
 use super::diagnostic::{Diagnostic, Position, Severity, Subject};
-use super::expansion::{Expansion, ExpansionCall};
+use super::expansion::{Expansion, ExpansionCall, Origin};
 use super::line_index::LineIndex;
 
 /// A byte offset in the text, if there is a text, and the joint or link at it.
@@ -80,7 +80,7 @@ impl<'a> Report<'a> {
         std::mem::take(&mut self.dependencies)
     }
 
-    /// Sets the origins of a text that macros made. From now on offsets are those of the text.
+    /// Sets the origins of a text that macros made. From now on offsets refer to the text.
     pub fn set_expansion(&mut self, expansion: Expansion) {
         self.expansion = Some(expansion);
     }
@@ -122,34 +122,20 @@ impl<'a> Report<'a> {
         calls.take(SHOWN_CALLS).map(note).collect()
     }
 
-    /// Adds an error at an offset of the files that was reached by a call, before the expansion is
-    /// complete.
-    pub fn error_in_call(
-        &mut self,
-        code: Code,
-        at: usize,
-        calls: (&[ExpansionCall], usize),
-        message: impl Into<String>,
-        help: impl Into<String>,
-    ) {
-        self.add_in_call(Severity::Error, code, at, calls, message, help);
+    /// Adds a diagnostic at an offset of the files that a call of a macro reached, before the
+    /// expansion is complete.
+    pub fn add_in_call(&mut self, diagnostic: Diagnostic, origin: &Origin<'_>) {
+        self.push(self.placed(diagnostic, origin));
     }
 
-    /// Adds a diagnostic at an offset of the files that was reached by a call.
-    pub fn add_in_call(
-        &mut self,
-        severity: Severity,
-        code: Code,
-        at: usize,
-        (calls, call): (&[ExpansionCall], usize),
-        message: impl Into<String>,
-        help: impl Into<String>,
-    ) {
-        let mut diagnostic = Diagnostic::new(severity, code, message).with_help(help);
-        diagnostic.position = Some(self.position_in_files(at));
-        diagnostic.file = self.file(at).name.as_deref().map(String::from);
-        diagnostic.notes = self.notes(calls, call);
-        self.push(diagnostic);
+    /// Returns the diagnostic with its position, its file and the calls that led there.
+    fn placed(&self, diagnostic: Diagnostic, origin: &Origin<'_>) -> Diagnostic {
+        Diagnostic {
+            position: Some(self.position_in_files(origin.at)),
+            file: self.file(origin.at).name.as_deref().map(String::from),
+            notes: self.notes(origin.calls, origin.call),
+            ..diagnostic
+        }
     }
 
     /// Adds an error at this byte; without a place, it is about an option or a model.
@@ -179,10 +165,8 @@ impl<'a> Report<'a> {
         diagnostic.subject = subject.cloned();
         if let Some(offset) = offset {
             let (at, call) = self.origin(offset);
-            diagnostic.position = Some(self.position_in_files(at));
-            diagnostic.file = self.file(at).name.as_deref().map(String::from);
             let calls = self.expansion.as_ref().map_or(&[][..], |expansion| expansion.calls());
-            diagnostic.notes = self.notes(calls, call);
+            diagnostic = self.placed(diagnostic, &Origin { at, calls, call });
         }
         self.push(diagnostic);
     }

@@ -53,8 +53,8 @@ fn find(name: &str, options: &ReadOptions) -> Option<PathBuf> {
         return Some(PathBuf::from(name));
     }
     // A name of several parts would leave the folders that are searched.
-    let mut parts = Path::new(name).components();
-    let (Some(Component::Normal(_)), None) = (parts.next(), parts.next()) else { return None };
+    let parts: Vec<Component<'_>> = Path::new(name).components().collect();
+    let [Component::Normal(_)] = parts[..] else { return None };
     let absolute = std::path::absolute(folder).unwrap_or_else(|_| folder.into());
     let is_meant = |folder: &PathBuf| is_package(folder, name);
     // Most packages are in a folder of their name, which needs no list of the neighbours.
@@ -94,8 +94,8 @@ fn inside(folder: &Path) -> Vec<PathBuf> {
     folders
 }
 
-/// Returns whether a folder has a `package.xml` with this `<name>`; one without a name is that of
-/// its folder.
+/// Returns whether a folder has a `package.xml` with this `<name>`; a package without a name has
+/// the name of its folder.
 fn is_package(folder: &Path, name: &str) -> bool {
     let Ok(file) = File::open(folder.join("package.xml")) else { return false };
     let mut text = String::new();

@@ -266,7 +266,6 @@ impl Writer<'_> {
             }
             JointType::Spherical => vec![("ball", joint.axis)],
             JointType::Floating => return self.floating(link),
-            other => unreachable!("joints of type `{}` are not known here", other.name()),
         };
         let parts = joint.joint_type.coordinates();
         let is_single = axes.len() == 1;
@@ -564,7 +563,7 @@ fn inertial(inertial: &Inertial) -> Option<Element> {
     })
 }
 
-/// Returns the element with the attributes of a pose, without those of the identity.
+/// Returns the element with the attributes of a pose, without attributes that are the identity's.
 fn placed(mut element: Element, pose: &Pose<f64>) -> Element {
     if pose.translation != [0.0; 3] {
         element = element.numbers("pos", &pose.translation);

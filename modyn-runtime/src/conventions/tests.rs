@@ -115,12 +115,12 @@ fn power_is_the_same() {
         let qd = qd(t);
         let tau = [1.0, -2.0, 3.0, 0.5, 0.7, -1.1];
         let power = dot(tau, qd);
-        for found in [
+        for converted in [
             dot(mujoco::to_qfrc(q, tau), mujoco::to_qvel(q, qd)),
             dot(drake::to_tau(q, tau), drake::to_v(q, qd)),
             dot(rbdl::to_tau(q, tau), rbdl::to_qdot(q, qd)),
         ] {
-            assert!((found - power).abs() < 1e-14, "{found} {power}");
+            assert!((converted - power).abs() < 1e-14, "{converted} {power}");
         }
     }
 }

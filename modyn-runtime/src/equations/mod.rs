@@ -12,7 +12,7 @@
 //! |---|---|---|
 //! | `kinematics/links` | poses and motion of the links, Jacobians | A.1 of the paper |
 //! | `kinematics/center_of_mass` | centre of mass, its Jacobian | |
-//! | `kinematics/coordinates` | integration, differences and their derivatives, rates and random values of coordinates | Murray, Li and Sastry 1994 |
+//! | `kinematics/coordinates` | integration, differences, rates, random values | Murray, Li and Sastry 1994 |
 //! | `dynamics/newton_euler` | the wrenches of the bodies' motion | Newton and Euler; Luh, Walker and Paul 1980 |
 //! | `dynamics/external` | external wrenches on links | |
 //! | `dynamics/inverse_dynamics` | joint forces, bias forces | (5a) |
@@ -24,7 +24,7 @@
 //! | `dynamics/kinetic_energy` | kinetic energy | |
 //! | `dynamics/centroidal` | momentum about the centre of mass, its matrix | Orin, Goswami and Lee 2013 |
 //! | `factorization/recursive` | a module's pivot block and the articulated inertia at its parent | (35)-(49) |
-//! | `factorization/matrix` | U D U^T from the entries of the mass matrix, for mimic joints and derivatives | (16)-(45) |
+//! | `factorization/matrix` | U D U^T from the mass matrix, for mimic joints and derivatives | (16)-(45) |
 //! | `factorization/solve` | solving, the inverse, the factors as full matrices | (50)-(60) |
 //! | `factorization/lu` | elimination of matrices that are not symmetric | |
 //! | `factorization/limb_coupling` | the entries of the inverse that couple merged limbs | (60) |
@@ -34,12 +34,12 @@
 //! | `soft_constraints` | steps with soft contacts, joint limits and dry joint friction | Todorov 2014 |
 //! | `actuation` | the joint forces of actuators, and their activations after a step | Todorov 2014 |
 //! | `steps/semi_implicit` | the state after a semi-implicit Euler step, its derivatives | |
-//! | `steps/implicit_midpoint` | the state after a step of the implicit midpoint rule, its derivatives | Hairer, Lubich and Wanner 2006 |
+//! | `steps/implicit_midpoint` | the same of the implicit midpoint rule | Hairer, Lubich and Wanner 2006 |
 //! | `steps/runge_kutta` | the state after a Runge-Kutta step | Celledoni, Marthinsen and Owren 2003 |
-//! | `identification/regressor` | inverse dynamics as a linear function of the inertial parameters | Atkeson, An and Hollerbach 1986 |
-//! | `identification/base_parameters` | the combinations of inertial parameters that joint forces depend on | Gautier 1991 |
+//! | `identification/regressor` | inverse dynamics by inertial parameters | Atkeson, An and Hollerbach 1986 |
+//! | `identification/base_parameters` | the inertial parameters that joint forces depend on | Gautier 1991 |
 //! | `singular` | the inertia at each joint, to find joints without inertia | Featherstone 1987 |
-//! | `constraints` | forward dynamics of closed loops, constraint wrenches, rank and residuals; projection | Featherstone 2008, Baumgarte 1972, Courrieu 2005 |
+//! | `constraints` | closed loops and contacts | Featherstone 2008, Baumgarte 1972, Courrieu 2005 |
 //! | `paper/denoc` | the DeNOC matrices, dense, link by link | (1)-(5), A.1, A.2 |
 //! | `paper/decomposition` | composite and articulated modules, EBUTMs, U, D and their inverses, dense | (1)-(57) |
 //!

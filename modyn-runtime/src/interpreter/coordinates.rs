@@ -59,8 +59,9 @@ impl<S: Scalar> Interpreter<S> {
     /// Computes the derivatives of [`integrate`](Self::integrate) with respect to `q` and `v`, nv x
     /// nv matrices by columns.
     ///
-    /// Both are in the tangent space: displacements of `q` are in the axes at `q`, and those of the
-    /// moved coordinates in the axes there. Nothing depends on `q` but its length.
+    /// Both are in the tangent space: displacements of `q` are in the axes at `q`, and
+    /// displacements of the moved coordinates in the axes there. Nothing depends on `q` but its
+    /// length.
     ///
     /// # Errors
     ///

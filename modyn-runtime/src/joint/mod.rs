@@ -30,9 +30,10 @@ pub use {
 };
 
 /// The type of a joint: the motion that it allows.
+///
+/// A `match` that treats all types does not compile after another one is added.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[non_exhaustive]
 pub enum JointType {
     /// Rotation about the axis; the coordinate is the angle in rad.
     Revolute,
@@ -124,7 +125,7 @@ mod tests {
     use super::JointType;
 
     #[test]
-    fn names_are_those_of_urdf() {
+    fn names_are_the_names_in_urdf() {
         let types = [JointType::Revolute, JointType::Continuous, JointType::Prismatic];
         assert_eq!(types.map(JointType::name), ["revolute", "continuous", "prismatic"]);
         let types =

@@ -2,8 +2,8 @@
 
 /// Returns the frame of a plane with the unit normal `axis`, as the columns of a rotation matrix.
 ///
-/// Its x and y are those of the joint's frame, rotated by the smallest rotation that takes z to the
-/// axis; its z is the axis. If the axis is -z, the rotation is half a turn about x.
+/// Its x and y axes are the axes of the joint's frame, rotated by the smallest rotation that takes
+/// z to the axis; its z is the axis. If the axis is -z, the rotation is half a turn about x.
 #[must_use]
 pub fn plane(axis: [f64; 3]) -> [[f64; 3]; 3] {
     let [x, y, z] = axis;

@@ -5,8 +5,8 @@ use super::{JointOffset, ParentMotion};
 use crate::Scalar;
 use crate::spatial::{Axis, Field, Matrix3, Quaternion, Vector3};
 
-/// Returns the child's axes in the parent frame: those of the unit quaternion x, y, z, w, rotated
-/// by the frame's offset.
+/// Returns the child's axes in the parent frame: the rotation of the unit quaternion x, y, z, w,
+/// rotated by the frame's offset.
 pub(super) fn rotation<S: Scalar>(offset: JointOffset<S>, quaternion: [S; 4]) -> Matrix3<S> {
     let columns = Quaternion::from_components(quaternion).matrix().transposed().0;
     let about_z = offset.rotation();

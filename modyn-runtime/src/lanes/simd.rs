@@ -1,4 +1,5 @@
-//! Vectors of each instruction set for several values of one state, such as those of equal limbs.
+//! Vectors of each instruction set for several values of one state, such as the values of equal
+//! limbs.
 //!
 //! Unsafe code: the macros expand in the files of the instruction sets, whose headers justify it.
 

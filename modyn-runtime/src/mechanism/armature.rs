@@ -43,8 +43,7 @@ impl<S: Scalar> Mechanism<S> {
     }
 
     /// Calls `add` for the derivatives of the [`armature_forces`](Self::armature_forces) with
-    /// respect to the rates, with their degrees of freedom: that of the force, and that of the
-    /// rate.
+    /// respect to the rates, with two degrees of freedom: the force's and the rate's.
     pub(crate) fn armature_derivatives(&self, qd: &[S], mut add: impl FnMut(usize, usize, S)) {
         for i in 0..self.bodies.len() {
             let Some(moving) = self.moving_armature(i, qd) else { continue };

@@ -3,10 +3,7 @@
 use alloc::vec::Vec;
 
 use super::elementary::ElementaryBody;
-use super::snapping::{
-    Direction, ROUNDING, SNAP, ZERO_ANGLE, combine, direction_of, inverse, rotation_by, snap,
-    snapped, without,
-};
+use super::snapping::{Direction, ROUNDING, SNAP, ZERO_ANGLE, direction_of, snap, without};
 use crate::joint::ElementaryJoint;
 use crate::model::radius_of_gyration;
 use crate::spatial::{Axis, Matrix3, Pose, Vector3};
@@ -57,7 +54,7 @@ impl Frames {
                 translation = back.mul_vector(translation);
             }
             let [azimuth, tilt, offset] = split(&rotation);
-            frames.translation.push(rotation_by(inverse(azimuth)).vector(Axis::Z, translation));
+            frames.translation.push(azimuth.inverse().rotation().vector(Axis::Z, translation));
             frames.azimuth.push(azimuth);
             frames.tilt.push(tilt);
             frames.offset.push(offset);
@@ -73,11 +70,11 @@ impl Frames {
         for (i, body) in elementary.iter().enumerate() {
             let by = match self.children[i].first() {
                 _ if self.elementary_joint[i] == ElementaryJoint::Prismatic => {
-                    inverse(self.offset[i])
+                    self.offset[i].inverse()
                 }
                 _ if self.elementary_joint[i] != ElementaryJoint::Revolute => continue,
                 // Parallel axes need no azimuth, so the rotation can simplify the translation.
-                Some(&main) if self.tilt[main].1 == 0.0 => {
+                Some(&main) if self.tilt[main].sin == 0.0 => {
                     direction_of(self.translation[main], self.negligible[main])
                 }
                 Some(&main) => self.azimuth[main],
@@ -87,21 +84,21 @@ impl Frames {
                 }
             };
             // Rz(q) Rz(by): the new frame is ahead of the old frame by `by`.
-            self.offset[i] = combine(self.offset[i], by);
-            let back = rotation_by(inverse(by));
+            self.offset[i] = self.offset[i].combine(by);
+            let back = by.inverse().rotation();
             let rotation = Matrix3(self.link[i].rotation).transposed().0;
             let columns = rotation.map(|c| back.vector(Axis::Z, Vector3(c)).0);
             self.link[i].rotation = Matrix3(columns).transposed().0;
             for &child in &self.children[i] {
-                let azimuth = combine(self.azimuth[child], inverse(by));
-                let (cos, sin) = self.tilt[child];
+                let azimuth = self.azimuth[child].combine(by.inverse());
+                let Direction { cos, sin } = self.tilt[child];
                 if sin == 0.0 {
                     // Rz(a) Rx(0 or pi) = Rx(0 or pi) Rz(a or -a): it merges with the child's
                     // offset.
-                    let sense = if cos > 0.0 { azimuth } else { inverse(azimuth) };
-                    self.offset[child] = combine(sense, self.offset[child]);
+                    let sense = if cos > 0.0 { azimuth } else { azimuth.inverse() };
+                    self.offset[child] = sense.combine(self.offset[child]);
                     self.translation[child] =
-                        rotation_by(azimuth).vector(Axis::Z, self.translation[child]);
+                        azimuth.rotation().vector(Axis::Z, self.translation[child]);
                 } else {
                     self.azimuth[child] = azimuth;
                 }
@@ -112,7 +109,7 @@ impl Frames {
     /// Shifts each revolute joint's frame along its axis to the point where a component of the
     /// translation from its parent vanishes.
     ///
-    /// The next joint's shift makes up for that of its parent, divided by the cosine of the tilt:
+    /// The next joint's shift makes up for its parent's shift, divided by the cosine of the tilt:
     /// along a chain of many small tilts the shifts would grow like a power, and digits would be
     /// lost. A frame that would be shifted farther than twice the length of the longest path from
     /// the root stays in its place.
@@ -122,7 +119,7 @@ impl Frames {
                 continue;
             }
             // In the axes after the azimuth, the joint axis is (0, -sin, cos).
-            let (cos, sin) = self.tilt[i];
+            let Direction { cos, sin } = self.tilt[i];
             let [x, y, z] = self.translation[i].0;
             let (by, shifted) = if sin.abs() > cos.abs() {
                 (y / sin, [x, 0.0, z + y / sin * cos])
@@ -152,15 +149,15 @@ fn split(rotation: &Matrix3<f64>) -> [Direction; 3] {
     let r = rotation.0.map(|row| row.map(snap));
     // The third column is (sin a sin t, -cos a sin t, cos t).
     let sin = libm::hypot(r[0][2], r[1][2]);
-    let tilt = snapped((r[2][2], sin));
-    let azimuth = if tilt.1 == 0.0 {
+    let tilt = Direction { cos: r[2][2], sin }.snapped();
+    let azimuth = if tilt.sin == 0.0 {
         ZERO_ANGLE
     } else {
         direction_of(Vector3([-r[1][2], r[0][2], 0.0]), 0.0)
     };
     let axis = Vector3([r[0][0], r[1][0], r[2][0]]);
-    let first = rotation_by(inverse(azimuth)).vector(Axis::Z, axis);
-    [azimuth, tilt, direction_of(rotation_by(inverse(tilt)).vector(Axis::X, first), 0.0)]
+    let first = azimuth.inverse().rotation().vector(Axis::Z, axis);
+    [azimuth, tilt, direction_of(tilt.inverse().rotation().vector(Axis::X, first), 0.0)]
 }
 
 /// Returns the length of the longest path from the root to a joint, m.

@@ -67,7 +67,6 @@ use constrained_frames::{constrained, touching};
 use coordinates::{Coordinates, coordinates};
 use dh_frames::Frames;
 use elementary::{ElementaryBody, expand_composite_joints};
-use snapping::rotation_by;
 
 pub(crate) use tree::{RootwardAccumulator, TreeAccess};
 
@@ -281,14 +280,14 @@ fn bodies(elementary: &[ElementaryBody<'_>], frames: &Frames) -> Vec<Body<f64>> 
             q: record.q,
             mimic: record.mimic,
             dofs: first..next,
-            offset: match rotation_by(frames.offset[i]) {
+            offset: match frames.offset[i].rotation() {
                 AxisRotation::Quarters(n) => JointOffset::Quarters(n),
                 AxisRotation::Angle { cos, sin } => JointOffset::Angle(libm::atan2(sin, cos)),
             },
             placement: DhTransform {
-                azimuth: rotation_by(frames.azimuth[i]),
+                azimuth: frames.azimuth[i].rotation(),
                 translation: frames.kept_translation(i),
-                tilt: rotation_by(frames.tilt[i]),
+                tilt: frames.tilt[i].rotation(),
             },
             link: frames.link[i],
             inertia,

@@ -12,26 +12,24 @@ pub(super) const SNAP: f64 = 1e-11;
 pub(super) const ROUNDING: f64 = 1e-14;
 
 /// The cosine and sine of a constant angle.
-pub(super) type Direction = (f64, f64);
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Direction {
+    pub cos: f64,
+    pub sin: f64,
+}
 
 /// The angle zero.
-pub(super) const ZERO_ANGLE: Direction = (1.0, 0.0);
+pub(super) const ZERO_ANGLE: Direction = Direction { cos: 1.0, sin: 0.0 };
 
 /// Returns the direction of a vector in the x, y plane; the angle zero if its length in this plane
 /// is at most `negligible`.
 pub(super) fn direction_of(v: Vector3<f64>, negligible: f64) -> Direction {
     let [x, y, _] = v.0;
     let length = libm::hypot(x, y);
-    if length <= negligible { ZERO_ANGLE } else { snapped((x / length, y / length)) }
-}
-
-pub(super) fn inverse((cos, sin): Direction) -> Direction {
-    (cos, -sin)
-}
-
-/// Returns the sum of two angles.
-pub(super) fn combine((c, s): Direction, (cos, sin): Direction) -> Direction {
-    snapped((c * cos - s * sin, s * cos + c * sin))
+    if length <= negligible {
+        return ZERO_ANGLE;
+    }
+    Direction { cos: x / length, sin: y / length }.snapped()
 }
 
 /// Returns a sine, a cosine or a component of an axis, or zero if it is negligible.
@@ -44,26 +42,42 @@ pub(super) fn without(negligible: f64, x: f64) -> f64 {
     if x.abs() <= negligible { 0.0 } else { x }
 }
 
-/// Returns a direction scaled to length 1, exactly along a coordinate axis if it is nearly parallel
-/// to one.
-pub(super) fn snapped((cos, sin): Direction) -> Direction {
-    match (snap(cos), snap(sin)) {
-        (cos, 0.0) => (1.0_f64.copysign(cos), 0.0),
-        (0.0, sin) => (0.0, 1.0_f64.copysign(sin)),
-        (cos, sin) => {
-            let length = libm::hypot(cos, sin);
-            (cos / length, sin / length)
+impl Direction {
+    /// Returns the angle with the opposite sign.
+    pub fn inverse(self) -> Self {
+        Self { sin: -self.sin, ..self }
+    }
+
+    /// Returns the sum of two angles.
+    pub fn combine(self, other: Self) -> Self {
+        let cos = self.cos * other.cos - self.sin * other.sin;
+        let sin = self.sin * other.cos + self.cos * other.sin;
+        Self { cos, sin }.snapped()
+    }
+
+    /// Returns the direction scaled to length 1, exactly along a coordinate axis if it is nearly
+    /// parallel to one.
+    pub fn snapped(self) -> Self {
+        match (snap(self.cos), snap(self.sin)) {
+            (cos, 0.0) => Self { cos: 1.0_f64.copysign(cos), sin: 0.0 },
+            (0.0, sin) => Self { cos: 0.0, sin: 1.0_f64.copysign(sin) },
+            (cos, sin) => {
+                let length = libm::hypot(cos, sin);
+                Self { cos: cos / length, sin: sin / length }
+            }
         }
     }
-}
 
-pub(super) fn rotation_by((cos, sin): Direction) -> AxisRotation<f64> {
-    if sin == 0.0 {
-        AxisRotation::Quarters(if cos > 0.0 { 0 } else { 2 })
-    } else if cos == 0.0 {
-        AxisRotation::Quarters(if sin > 0.0 { 1 } else { 3 })
-    } else {
-        AxisRotation::Angle { cos, sin }
+    /// Returns the rotation by the angle.
+    pub fn rotation(self) -> AxisRotation<f64> {
+        let Self { cos, sin } = self;
+        if sin == 0.0 {
+            AxisRotation::Quarters(if cos > 0.0 { 0 } else { 2 })
+        } else if cos == 0.0 {
+            AxisRotation::Quarters(if sin > 0.0 { 1 } else { 3 })
+        } else {
+            AxisRotation::Angle { cos, sin }
+        }
     }
 }
 

@@ -47,9 +47,9 @@ impl<S> JointSpring<S> {
 }
 
 impl<S: Scalar> JointSpring<S> {
-    /// Returns the displacement of a joint from the reference, along each degree of freedom. `own`
-    /// begins with the joint's coordinates, or with those of the leader of which it is a multiple
-    /// with an offset.
+    /// Returns the displacement of a joint from the reference, along each degree of freedom.
+    /// `coordinates` begins with the joint's coordinates, or with the coordinates of the leader of
+    /// which it is a multiple with an offset.
     fn displacement(&self, coordinates: &[S], mimic: Option<(S, S)>) -> Rates<S> {
         let quaternion = |from: usize| Quaternion::from_components(entries(coordinates, from));
         let rotation = |from: usize, reference: [S; 4]| {
@@ -103,8 +103,8 @@ impl<S: Scalar> Mechanism<S> {
     }
 
     /// Calls `add` for the derivatives of the [`spring_forces`](Self::spring_forces) with respect
-    /// to the coordinates, in tangent space, with their degrees of freedom: that of the force, and
-    /// that of the displacement.
+    /// to the coordinates, in tangent space, with two degrees of freedom: the force's and the
+    /// displacement's.
     pub(crate) fn spring_derivatives(&self, q: &[S], mut add: impl FnMut(usize, usize, S)) {
         for body in &self.bodies {
             let Some(spring) = &body.spring else { continue };

@@ -208,8 +208,8 @@ impl<'a, S: Scalar, T: BodyTree<S>, const N: usize> RootwardAccumulator<'a, S, T
         Self { tree, limbs: None }
     }
 
-    /// Returns the values at `parent`: those of `body` there, `at_parent`, plus the lanes of limbs
-    /// that join the path there.
+    /// Returns the values at `parent`: the values of `body` there, `at_parent`, plus the lanes of
+    /// limbs that join the path there.
     pub(crate) fn accumulate(&mut self, body: usize, parent: usize, at_parent: [S; N]) -> [S; N] {
         let tree = self.tree;
         if let Some(parents) = tree.parents(body) {

@@ -34,8 +34,8 @@ pub struct LoopConstraintEnd {
     pub pose: Pose<f64>,
 }
 
-/// The relative motion that a [`LoopConstraint`] allows: that of the joint at which the loop was
-/// cut.
+/// The relative motion that a [`LoopConstraint`] allows: the motion of the joint at which the loop
+/// was cut.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum LoopConstraintKind {

@@ -283,8 +283,8 @@ impl Model {
     /// # Errors
     ///
     /// All defects: a link or a joint that does not exist, a shape on a link that does not move, a
-    /// tendon of a joint with several degrees of freedom, a size that is not above zero, a matrix that is not a rotation, a number that is not finite or
-    /// out of its range.
+    /// tendon of a joint with several degrees of freedom, a size that is not above zero, a matrix
+    /// that is not a rotation, a number that is not finite or out of its range.
     pub fn with_soft_constraints(mut self, soft: SoftConstraints) -> Result<Self, Vec<ModelError>> {
         self.soft_constraints = soft;
         let errors = check::check_soft_constraints(&self);
@@ -426,15 +426,15 @@ impl Model {
         self.joint_indices.iter().map(|place| place.v.end).max().unwrap_or(0)
     }
 
-    /// Returns the entries of q of moving link `link`'s joint; for a mimic joint those of its
-    /// leader. The range is empty if there is no such link.
+    /// Returns the entries of q of moving link `link`'s joint; for a mimic joint the leader's
+    /// entries. The range is empty if there is no such link.
     #[must_use]
     pub fn q_range(&self, link: usize) -> Range<usize> {
         self.joint_indices.get(link).map_or(0..0, |place| place.q.clone())
     }
 
-    /// Returns the entries of qd and tau of moving link `link`'s joint; for a mimic joint those of
-    /// its leader. The range is empty if there is no such link.
+    /// Returns the entries of qd and tau of moving link `link`'s joint; for a mimic joint the
+    /// leader's entries. The range is empty if there is no such link.
     #[must_use]
     pub fn v_range(&self, link: usize) -> Range<usize> {
         self.joint_indices.get(link).map_or(0..0, |place| place.v.clone())

@@ -61,7 +61,7 @@ pub trait Scalar:
     fn sin_cos(self) -> (Self, Self);
 
     /// Returns sine and cosine of several angles. They may share vector instructions; the values
-    /// are those of [`sin_cos`](Self::sin_cos).
+    /// equal the results of [`sin_cos`](Self::sin_cos).
     #[inline]
     #[must_use]
     fn sin_cos_all<const N: usize>(angles: [Self; N]) -> [(Self, Self); N] {
@@ -191,8 +191,8 @@ pub trait Pack<One, const LANES: usize>: Scalar {
     fn unpack(self) -> [One; LANES];
 }
 
-/// Work on packed values, such as those of equal limbs, or on scalars. `vectorized` and everything
-/// that it calls must be `#[inline(always)]`.
+/// Work on packed values, such as the values of equal limbs, or on scalars. `vectorized` and
+/// everything that it calls must be `#[inline(always)]`.
 pub trait SimdTask<F> {
     /// The type of the result.
     type Output;

@@ -125,8 +125,8 @@ fn sine_and_cosine<S: FlipSign, const M: usize, const N: usize>(
 pub struct SinCosNumbers<const P: usize, const M: usize, const N: usize> {
     /// The exclusive bound of angles for the fast reduction, rad.
     pub limit: f64,
-    /// A number whose addition rounds to the nearest integer; the lowest bit of the sum is then
-    /// that of the integer.
+    /// A number whose addition rounds to the nearest integer; the lowest bit of the sum is then the
+    /// integer's lowest bit.
     pub round: f64,
     /// -pi as a sum of parts. All parts but the last are so short that their products with the
     /// multiple are exact.

@@ -8,9 +8,9 @@ use crate::{Array, Robot, Scalar};
 #[must_use]
 pub fn limit_effort<R: Robot, T: Scalar>(tau: &R::V<T>) -> R::V<T> {
     R::V::<T>::from_fn(|i| {
-        let (most, force) = (T::from_f64(R::LIMITS.effort[i]), tau.as_ref()[i]);
+        let most = T::from_f64(R::LIMITS.effort[i]);
         // NaN stays NaN.
-        at_least(at_most(force, most), -most)
+        at_least(at_most(tau.as_ref()[i], most), -most)
     })
 }
 
@@ -54,8 +54,8 @@ impl<T: Scalar> SpringGround<T> {
         let normal = Vector3(rotation.map(|row| row[2]));
         let depth = normal.dot(Vector3(translation) - Vector3(position));
         let speed = normal.dot(velocity);
-        let pressed = self.stiffness * depth - self.damping * speed;
-        let pressed = (-depth).select_nonnegative(T::zero(), positive(pressed));
+        let pressure = positive(self.stiffness * depth - self.damping * speed);
+        let pressed = (-depth).select_nonnegative(T::zero(), pressure);
         let sliding = velocity - normal.scale(speed);
         let drag =
             self.friction * pressed * (sliding.dot(sliding) + self.slip * self.slip).sqrt().recip();

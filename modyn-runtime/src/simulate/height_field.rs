@@ -102,19 +102,14 @@ impl<'a, T: Scalar + Into<f64>> HeightField<'a, T> {
     }
 
     /// Returns the cell at this coordinate along an axis.
+    #[allow(clippy::cast_precision_loss, clippy::cast_possible_truncation, clippy::cast_sign_loss)]
     fn cell(&self, axis: usize, at: T) -> Cell<T> {
         let place = (at - self.origin[axis]) / self.spacing[axis];
         let last = self.counts[axis] - 2;
         let cells: f64 = place.into();
-        #[allow(
-            clippy::cast_precision_loss,
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss
-        )]
-        let (first, end) = ((cells.max(0.0) as usize).min(last), (last + 1) as f64);
-        #[allow(clippy::cast_precision_loss)]
+        let first = (cells.max(0.0) as usize).min(last);
         let part = place - T::from_f64(first as f64);
-        let inside = cells >= 0.0 && cells <= end;
+        let inside = cells >= 0.0 && cells <= (last + 1) as f64;
         let bounded = (part - T::one()).select_nonnegative(T::one(), positive(part));
         let slope = if inside { self.spacing[axis].recip() } else { T::zero() };
         Cell { first, part: bounded, slope }

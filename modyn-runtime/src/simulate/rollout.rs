@@ -20,8 +20,9 @@ pub struct Instant {
 ///
 /// - `forces` returns the joint forces of a time step in the state before it: the controls of a
 ///   plan, a feedback.
-/// - `accelerations` computes those of several states from their coordinates, velocities and joint
-///   forces, such as `forward_dynamics_each` of a generated robot, which has a state in each lane.
+/// - `accelerations` computes the accelerations of several states from their coordinates,
+///   velocities and joint forces, such as `forward_dynamics_each` of a generated robot, which has a
+///   state in each lane.
 /// - `visit` gets the joint forces of each step and the state after it, for costs and trajectories.
 ///   The steps of a motion come in their order; motions advance in blocks.
 ///
@@ -37,8 +38,8 @@ pub struct Instant {
 /// use modyn_runtime::simulate::{State, rollout};
 /// use modyn_runtime::{BatchError, Robot, functions};
 ///
-/// /// The sums of the squared velocities of motions under the forces of `plans`, over 100 steps of 10 ms. `accelerations` is
-/// /// `R::forward_dynamics_each`.
+/// /// The sums of the squared velocities of motions under the forces of `plans`, over 100 steps of
+/// /// 10 ms. `accelerations` is `R::forward_dynamics_each`.
 /// fn costs<R: Robot + functions::Integrate>(
 ///     motions: &mut [State<R>],
 ///     plans: &[Vec<R::V<f64>>],

@@ -82,7 +82,7 @@ pub(crate) struct RankFactorization<'a, S> {
     /// For each constraint the number of its rows, and an upper bound of the number of its pivots.
     pub blocks: &'a [(usize, usize)],
     /// The lower triangle of A, reduced by each step's outer product; then P below the diagonal,
-    /// whose column of a pivot is that of the pivot's row. Row k has k + 1 entries, from
+    /// where a pivot's column belongs to the pivot's row. Row k has k + 1 entries, from
     /// `row_start(k)` on.
     pub matrix: &'a mut [S],
     /// For each row, the remaining diagonal at or below which the row is dependent.
@@ -162,30 +162,36 @@ impl<S: Scalar> RankFactorization<'_, S> {
         self.factorize_gram();
     }
 
-    /// Performs one step: the row with the largest margin over its threshold, relative to its
-    /// constraint's scale, of the moving rows from `k` to `end`, becomes the pivot in the place of
-    /// row `k`.
+    /// Returns by how much a row's diagonal exceeds its threshold, relative to its constraint's
+    /// scale.
+    #[inline(always)]
+    fn margin(&self, row: usize) -> S {
+        (self.matrix[place(row, row)] - self.thresholds[row]) * self.units[row]
+    }
+
+    /// Performs one step: the row with the largest [`margin`](Self::margin) of the moving rows from
+    /// `k` to `end` becomes the pivot in the place of row `k`.
     #[inline(always)]
     fn eliminate_largest(&mut self, k: usize, end: usize) {
-        let (rows, pivot) = (self.rows(), self.moving[k]);
-        let margin =
-            |own: &Self, k: usize| (own.matrix[place(k, k)] - own.thresholds[k]) * own.units[k];
-        let mut largest = margin(self, pivot);
+        let rows = self.rows();
+        let pivot = self.moving[k];
+        let mut largest = self.margin(pivot);
         for other in k + 1..end {
-            let k = self.moving[other];
-            let own = margin(self, k);
-            let larger = own - largest;
-            largest = larger.select_nonnegative(own, largest);
-            let exchange = Exchange { rows: [pivot, k], larger };
+            let row = self.moving[other];
+            let margin = self.margin(row);
+            let larger = margin - largest;
+            largest = larger.select_nonnegative(margin, largest);
+            let exchange = Exchange { rows: [pivot, row], larger };
             exchange.in_matrix(self.matrix, rows);
             exchange.in_vector(self.thresholds);
             exchange.in_vector(self.units);
             self.exchanges[self.counts.exchanges] = exchange;
             self.counts.exchanges += 1;
         }
-        let (dependent, diagonal) = (-largest, self.matrix[place(pivot, pivot)]);
-        let reciprocal = dependent.select_nonnegative(S::one(), diagonal).recip();
-        let reciprocal = dependent.select_nonnegative(S::zero(), reciprocal);
+        let dependent = -largest;
+        let diagonal = self.matrix[place(pivot, pivot)];
+        let divisor = dependent.select_nonnegative(S::one(), diagonal);
+        let reciprocal = dependent.select_nonnegative(S::zero(), divisor.recip());
         let count = self.counts.pivots;
         self.pivots[count] = pivot;
         self.reciprocals[count] = reciprocal;
@@ -207,7 +213,8 @@ impl<S: Scalar> RankFactorization<'_, S> {
     /// not have it.
     #[inline(always)]
     fn factorize_gram(&mut self) {
-        let (rows, pivots) = (self.rows(), &self.pivots[..self.counts.pivots]);
+        let rows = self.rows();
+        let pivots = &self.pivots[..self.counts.pivots];
         let Self { matrix, gram, gram_reciprocals, independent, .. } = self;
         // The entries of a pivot's column below row `below`.
         let column = |pivot: usize, below: usize| {
@@ -215,16 +222,16 @@ impl<S: Scalar> RankFactorization<'_, S> {
             (below + 1..rows).map(move |i| matrix[place(i, pivot)])
         };
         for (k, &pivot) in pivots.iter().enumerate() {
-            let (before, own) = gram.split_at_mut(row_start(k));
-            for (entry, &other) in own.iter_mut().zip(&pivots[..k]) {
+            let (before, row) = gram.split_at_mut(row_start(k));
+            for (entry, &other) in row.iter_mut().zip(&pivots[..k]) {
                 let products = column(pivot, pivot).zip(column(other, pivot)).map(|(a, b)| a * b);
                 *entry = products.fold(matrix[place(pivot, other)], |sum, x| sum + x);
             }
             let mut diagonal = column(pivot, pivot).fold(S::one(), |sum, x| sum + x * x);
             for l in 0..k {
-                own[l] = own[l] - dot(&own[..l], &before[row_start(l)..][..l]);
+                row[l] = row[l] - dot(&row[..l], &before[row_start(l)..][..l]);
             }
-            for (entry, &reciprocal) in own[..k].iter_mut().zip(&**gram_reciprocals) {
+            for (entry, &reciprocal) in row[..k].iter_mut().zip(&**gram_reciprocals) {
                 let scaled = *entry * reciprocal;
                 diagonal = diagonal - *entry * scaled;
                 *entry = scaled;
@@ -288,9 +295,9 @@ impl<S: Scalar> RankFactorization<'_, S> {
             *x = *x * reciprocal;
         }
         for k in (0..reduced.len()).rev() {
-            let (before, own) = reduced.split_at_mut(k);
+            let (before, from_k) = reduced.split_at_mut(k);
             for (x, &entry) in before.iter_mut().zip(&gram[row_start(k)..]) {
-                *x = *x - entry * own[0];
+                *x = *x - entry * from_k[0];
             }
         }
     }
@@ -374,7 +381,8 @@ impl<S: Scalar, const N: usize, const T: usize, const C: usize, const B: usize> 
 
     #[inline(always)]
     fn run(mut self) -> Self::Output {
-        let (zero, mut counts) = (S::zero(), Counts::default());
+        let zero = S::zero();
+        let mut counts = Counts::default();
         let mut numbers = [[zero; N]; 6];
         let [thresholds, units, reciprocals, independent, gram_reciprocals, reduced] = &mut numbers;
         let mut factorization = RankFactorization {
@@ -395,12 +403,12 @@ impl<S: Scalar, const N: usize, const T: usize, const C: usize, const B: usize> 
         let [tolerance, rounding] = self.tolerances;
         factorization.set_thresholds(&self.scales, tolerance, rounding);
         factorization.factorize();
-        let mut own = RowSolutions { solutions: self.sides, ..RowSolutions::zero() };
-        for (x, residual) in own.solutions.iter_mut().zip(&mut own.residuals) {
+        let mut result = RowSolutions { solutions: self.sides, ..RowSolutions::zero() };
+        for (x, residual) in result.solutions.iter_mut().zip(&mut result.residuals) {
             factorization.solve(x, residual);
         }
-        own.rank = factorization.rank();
-        own
+        result.rank = factorization.rank();
+        result
     }
 }
 

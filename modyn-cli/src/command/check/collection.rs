@@ -108,7 +108,7 @@ pub fn run(arguments: &Arguments, options: &ReadOptions) -> Result<(), Failure> 
 }
 
 /// Returns whether a file configures the program of a robot, and describes no robot, although its
-/// root element is that of a URDF, as the files of YARP do.
+/// root element is a URDF's, as the files of YARP do.
 fn is_configuration(format: Format, path: &Path, text: &str) -> bool {
     let is_xml = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("xml"));
     format == Format::Urdf && is_xml && !text.contains("<link") && !text.contains("<joint")

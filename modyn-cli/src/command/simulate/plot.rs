@@ -76,50 +76,67 @@ fn blocks(model: &Model, samples: &[&Sample]) -> Vec<Block> {
     let v = units::velocities(model);
     let coordinates = model.coordinate_names();
     let velocities = model.velocity_names();
-    let mut blocks =
-        grouped("coordinates", (&coordinates, &q), COLORS[0], samples, |s| &s.q, Kind::coordinate);
-    blocks.extend(grouped(
-        "velocities",
-        (&velocities, &v),
-        COLORS[1],
-        samples,
-        |s| &s.qd,
-        Kind::velocity,
-    ));
+    let mut curves = vec![
+        Curves {
+            title: "coordinates",
+            color: COLORS[0],
+            names: &coordinates,
+            kinds: &q,
+            unit: Kind::coordinate,
+            values: |sample| &sample.q,
+        },
+        Curves {
+            title: "velocities",
+            color: COLORS[1],
+            names: &velocities,
+            kinds: &v,
+            unit: Kind::velocity,
+            values: |sample| &sample.qd,
+        },
+    ];
     if samples.iter().any(|sample| sample.tau.iter().any(|&tau| tau != 0.0)) {
-        blocks.extend(grouped(
-            "torques",
-            (&velocities, &v),
-            COLORS[2],
-            samples,
-            |s| &s.tau,
-            Kind::torque,
-        ));
+        curves.push(Curves {
+            title: "torques",
+            color: COLORS[2],
+            names: &velocities,
+            kinds: &v,
+            unit: Kind::torque,
+            values: |sample| &sample.tau,
+        });
     }
-    blocks
+    curves.iter().flat_map(|curves| curves.grouped(samples)).collect()
 }
 
-/// Returns the entries, grouped by unit.
-fn grouped(
-    title: &str,
-    (names, kinds): (&[String], &[Kind]),
+/// The entries of a joint vector over time.
+struct Curves<'a> {
+    title: &'static str,
     color: &'static str,
-    samples: &[&Sample],
-    get: fn(&Sample) -> &[f64],
+    /// For each entry its name.
+    names: &'a [String],
+    /// For each entry its kind, which its unit follows from.
+    kinds: &'a [Kind],
     unit: fn(Kind) -> &'static str,
-) -> Vec<Block> {
-    let block = |kind: Kind| {
-        let entries = (0..names.len()).filter(|&i| kinds[i] == kind);
-        let panel =
-            |i: usize| (names[i].clone(), samples.iter().map(|sample| get(sample)[i]).collect());
-        Block {
-            title: format!("{title} ({})", unit(kind)),
-            color,
-            panels: entries.map(panel).collect(),
-        }
-    };
-    let blocks = [Kind::Angle, Kind::Displacement, Kind::Quaternion].map(block);
-    blocks.into_iter().filter(|block| !block.panels.is_empty()).collect()
+    values: fn(&Sample) -> &[f64],
+}
+
+impl Curves<'_> {
+    /// Returns the entries, grouped by unit.
+    fn grouped(&self, samples: &[&Sample]) -> Vec<Block> {
+        let panel = |i: usize| {
+            let values = samples.iter().map(|sample| (self.values)(sample)[i]);
+            (self.names[i].clone(), values.collect())
+        };
+        let block = |kind: Kind| {
+            let entries = (0..self.names.len()).filter(|&i| self.kinds[i] == kind);
+            Block {
+                title: format!("{} ({})", self.title, (self.unit)(kind)),
+                color: self.color,
+                panels: entries.map(panel).collect(),
+            }
+        };
+        let blocks = [Kind::Angle, Kind::Displacement, Kind::Quaternion].map(block);
+        blocks.into_iter().filter(|block| !block.panels.is_empty()).collect()
+    }
 }
 
 /// Returns the names and values of the energies that are not always zero.

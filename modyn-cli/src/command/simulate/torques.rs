@@ -74,10 +74,8 @@ impl Torques {
     /// Computes the joint forces at a time: linear between rows, constant before the first and
     /// after the last row.
     pub fn at(&self, time: f64, tau: &mut [f64]) {
-        let above = self.times.partition_point(|&t| t <= time);
-        let (Some(&below), Some(&above)) =
-            (self.place(above.saturating_sub(1)).as_ref(), self.place(above).as_ref())
-        else {
+        let next = self.times.partition_point(|&t| t <= time);
+        let Some((below, above)) = self.place(next.saturating_sub(1)).zip(self.place(next)) else {
             return tau.fill(0.0);
         };
         let span = self.times[above] - self.times[below];

@@ -8,19 +8,33 @@ use modyn_runtime::{ConstraintSettings, ContactTarget};
 
 use super::{Dialect, GpuKernel};
 
-/// The functions of the step.
+/// What the lines of a step read.
+pub(super) struct StepArguments<'a> {
+    /// The name of the joint forces.
+    pub forces: &'a str,
+    /// The arguments of the user's function `contacts`.
+    pub user: &'a [String],
+    /// The further arguments of constrained forward dynamics.
+    pub parameters: &'a [String],
+}
+
+/// The functions of the step, and the sizes of the robot.
 pub(super) struct ConstrainedStep<'a> {
+    /// The number of coordinates.
+    pub nq: usize,
+    /// The number of velocities.
+    pub nv: usize,
     /// Constrained forward dynamics.
     pub dynamics: &'a GpuKernel,
     /// The coordinates after a displacement.
     pub integrate: &'a GpuKernel,
-    /// The number of closed loops, whose wrenches come before those of contacts.
+    /// The number of closed loops, whose wrenches come before the wrenches of contacts.
     pub loops: usize,
     /// The number of contacts.
     pub contacts: usize,
 }
 
-/// The number of settings before those of contacts, and the number of settings of a contact.
+/// The number of settings before the settings of contacts, and the number of settings of a contact.
 const SETTINGS: [usize; 2] = [ConstraintSettings::<f64>::COUNT, ContactTarget::<f64>::COUNT];
 
 /// The places of the ground's normal in the settings of a contact: the third column of a rotation
@@ -32,16 +46,10 @@ const WRENCH: usize = 6;
 const FORCE: usize = 3;
 
 impl ConstrainedStep<'_> {
-    /// Returns the lines that change `q` and `qd` by a step under the joint forces `forces`. The
-    /// user's function `contacts` has the arguments `user`; `parameters` are the further arguments
-    /// of constrained forward dynamics.
-    pub fn lines(
-        &self,
-        dialect: &dyn Dialect,
-        (nq, nv): (usize, usize),
-        forces: &str,
-        (user, parameters): (&[String], &[String]),
-    ) -> Vec<String> {
+    /// Returns the lines that change `q` and `qd` by a step.
+    pub fn lines(&self, dialect: &dyn Dialect, arguments: &StepArguments<'_>) -> Vec<String> {
+        let Self { nq, nv, .. } = *self;
+        let StepArguments { forces, user, parameters } = *arguments;
         let zeros = |n: usize| vec![dialect.literal(0.0); n];
         let mut lines = vec![dialect.array("qdd", &zeros(nv))];
         let mut arguments: Vec<String> = ["q", "qd", forces].map(String::from).into();

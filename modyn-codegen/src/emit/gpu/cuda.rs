@@ -183,7 +183,7 @@ impl Dialect for Cuda {
 
     fn rollout_head(&self, rollout: &Rollout<'_>) -> String {
         format!(
-            "// The scalar of all functions, for those of the user.\ntypedef {} {}_real;\n\n",
+            "// The scalar of all functions, for the user's functions.\ntypedef {} {}_real;\n\n",
             self.real(),
             rollout.prefix
         )

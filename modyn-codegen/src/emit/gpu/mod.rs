@@ -109,7 +109,7 @@ struct Kernel<'a> {
     description: GpuKernel,
     docs: String,
     program: &'a Program,
-    /// The values of the program's arguments after those of the kernel: the placement of a link
+    /// The values of the program's arguments after the kernel's arguments: the placement of a link
     /// that shares a program with other links.
     placement_numbers: Vec<f64>,
 }
@@ -155,7 +155,7 @@ trait Dialect {
     fn live_value(&self, chunk: usize, i: usize, inner: bool) -> String;
 
     /// Returns the function of a chunk with this body: chunk `k` passes `values[k]` values on, and
-    /// the function reads the values of `live_in` and writes those of `own`.
+    /// the function reads the values of `live_in` and writes the values of the chunk.
     fn chunk(
         &self,
         kernel: &GpuKernel,
@@ -218,8 +218,8 @@ trait Dialect {
 }
 
 impl GpuKernel {
-    /// Returns the name without that of the robot, `prefix`: the function's, and for a function of
-    /// a link the link's.
+    /// Returns the name without the robot's name, `prefix`: the function's name, followed by the
+    /// link's name for a function of a link.
     #[must_use]
     pub fn own_name(&self, prefix: &str) -> &str {
         let name = self.name.strip_prefix(prefix);

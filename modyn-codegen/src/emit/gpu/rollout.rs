@@ -7,7 +7,7 @@
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
-use super::constrained::ConstrainedStep;
+use super::constrained::{ConstrainedStep, StepArguments};
 use super::{
     Dialect, GpuArgument, GpuKernel, GpuLanguage, Kernel, Storage, dialect, function, head, kernels,
 };
@@ -138,7 +138,7 @@ pub struct GpuRollout {
     /// The number of settings of that function, in the order of `ConstraintSettings`, or of
     /// `StepSettings` for `step`; zero for functions without settings.
     pub settings: usize,
-    /// The number of statements of a time step, without those of the user's functions.
+    /// The number of statements of a time step, without the statements of the user's functions.
     pub statements: usize,
 }
 
@@ -305,7 +305,8 @@ fn constrained_step<'a>(
     let integrate = kernel_of(Function::Integrate)?;
     let contacts = plan.sizes.contacts;
     let loops = plan.sizes.constraints - contacts;
-    let step = ConstrainedStep { dynamics, integrate, loops, contacts };
+    let Sizes { nq, nv, .. } = plan.sizes;
+    let step = ConstrainedStep { nq, nv, dynamics, integrate, loops, contacts };
     (options.contacts.is_some() == (contacts > 0)).then_some(step)
 }
 
@@ -412,7 +413,8 @@ fn body(
         Step::Constrained(step) => {
             let user = arguments(&["q", "qd", "u", "step"]);
             let passed = passed(step.dynamics);
-            step.lines(dialect, (nq, nv), forces, (&user, &passed)).into_iter().for_each(&mut line);
+            let arguments = StepArguments { forces, user: &user, parameters: &passed };
+            step.lines(dialect, &arguments).into_iter().for_each(&mut line);
         }
     }
     if options.cost.is_some() {

@@ -72,8 +72,8 @@ impl Backend for Matlab {
     }
 }
 
-/// Names of local variables besides those of values, and keywords of the language that are no
-/// keywords of Rust.
+/// Names of local variables that are no values, and keywords of the language that are no keywords
+/// of Rust.
 const RESERVED: [&str; 15] = [
     "case",
     "catch",

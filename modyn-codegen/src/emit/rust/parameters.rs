@@ -65,8 +65,8 @@ impl Robot<'_> {
         let lint = names::camel_case_lint([&*kind].into_iter());
         let _ = writeln!(
             text,
-            "/// The run-time parameters of [`{name}`]; the defaults are those of the description. The methods set\n\
-             /// parameters, and check their arguments.\n\
+            "/// The run-time parameters of [`{name}`]; the defaults are the values in the description. The methods\n\
+             /// set parameters, and check their arguments.\n\
              #[allow(dead_code)]\n\
              {lint}#[derive(Clone, Copy, Debug, PartialEq)]\n\
              {vis} struct {kind}<T = {float}> {{\n    numbers: [T; {count}],\n}}\n"

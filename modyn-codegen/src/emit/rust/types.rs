@@ -92,10 +92,10 @@ impl Robot<'_> {
         let _ = writeln!(
             text,
             "impl {name}Joint {{\n\
-             /// Returns the entries of `q` of this joint; for a mimic joint those of its leader.\n\
+             /// Returns the entries of `q` of this joint; for a mimic joint the entries of its leader.\n\
              #[must_use]\n\
              pub const fn coordinates(self) -> ::core::ops::Range<usize> {{\n    match self {{\n{}    }}\n}}\n\
-             /// Returns the entries of `qd` and `tau` of this joint; for a mimic joint those of its leader.\n\
+             /// Returns the entries of `qd` and `tau` of this joint; for a mimic joint the entries of its leader.\n\
              #[must_use]\n\
              pub const fn velocities(self) -> ::core::ops::Range<usize> {{\n    match self {{\n{}    }}\n}}\n}}\n",
             ranges(&|i| self.model.q_range(i)),

@@ -23,9 +23,9 @@ impl Generator<'_, Encoder> {
         let scalar = self.lanes(value) == 1;
         let size = self.size;
         match operation {
-            Operation::MultiplyAdd { negative_product, negative_addend } if !scalar => {
-                let to = self.addend(operands, c, negative_addend, pinned);
-                self.encoder.three(op::accumulate(negative_product, size), [to, a, b]);
+            Operation::MultiplyAdd(negated) if !scalar => {
+                let to = self.addend(operands, c, negated.addend, pinned);
+                self.encoder.three(op::accumulate(negated.product, size), [to, a, b]);
                 return to;
             }
             Operation::Maximum => {
@@ -44,9 +44,8 @@ impl Generator<'_, Encoder> {
             Operation::Subtract => encoder.three(op::SUBTRACT.of(scalar, size), [to, a, b]),
             Operation::Multiply => encoder.three(op::MULTIPLY.of(scalar, size), [to, a, b]),
             Operation::Divide => encoder.three(op::DIVIDE.of(scalar, size), [to, a, b]),
-            Operation::MultiplyAdd { negative_product, negative_addend } => {
-                let opcode = op::multiply_add((negative_product, negative_addend), size);
-                encoder.four(opcode, [to, a, b, c]);
+            Operation::MultiplyAdd(negated) => {
+                encoder.four(op::multiply_add(negated, size), [to, a, b, c]);
             }
             Operation::SquareRoot => encoder.two(op::SQUARE_ROOT.of(scalar, size), [to, a]),
             Operation::LessOrEqual => {
@@ -98,8 +97,8 @@ impl Generator<'_, Encoder> {
         to
     }
 
-    /// Writes a jump that is taken unless all lanes of the first value are less than those of the
-    /// second, and returns its position.
+    /// Writes a jump that is taken unless all lanes of the first value are less than the lanes of
+    /// the second value, and returns its position.
     pub(super) fn jump_unless_less(&mut self, [squares, limit]: [Value; 2]) -> usize {
         let mut pinned = self.registers.pinned(&[squares, limit]);
         let [first, last] = [squares, limit].map(|value| self.force(value, &mut pinned));

@@ -2,6 +2,8 @@
 //!
 //! Arm Architecture Reference Manual for A-profile architecture, chapters C6 and C7.
 
+use crate::values::Negated;
+
 /// An instruction on numbers, by its words for single precision: on scalars, and on vectors of 16
 /// bytes.
 #[derive(Clone, Copy, Debug)]
@@ -37,11 +39,8 @@ pub(crate) const fn compare_flags(size: usize) -> u32 {
 }
 
 /// Returns the fused product of scalars with a fourth operand: (-) n m (+ or -) a.
-pub(crate) const fn multiply_add(
-    (negative_product, negative_addend): (bool, bool),
-    size: usize,
-) -> u32 {
-    let word = match (negative_product, negative_addend) {
+pub(crate) const fn multiply_add(negated: Negated, size: usize) -> u32 {
+    let word = match (negated.product, negated.addend) {
         (false, false) => 0x1f00_0000,
         (true, false) => 0x1f00_8000,
         (true, true) => 0x1f20_0000,
@@ -62,7 +61,7 @@ pub(crate) const CLEAR: u32 = 0x4e60_1c00;
 pub(crate) const OR: u32 = 0x4ea0_1c00;
 pub(crate) const XOR: u32 = 0x6e20_1c00;
 pub(crate) const NOT: u32 = 0x6e20_5800;
-/// The bits of the first source where the destination has bits, else those of the second.
+/// The bits of the first source where the destination has bits, else the bits of the second source.
 pub(crate) const SELECT: u32 = 0x6e60_1c00;
 
 /// Returns the shift of the lowest bit to the sign.

@@ -6,7 +6,7 @@ use super::opcodes::{self as op, arithmetic, broadcast, mask_to_vector, multiply
 use crate::generate::Generator;
 use crate::instruction_set::InstructionSet;
 use crate::registers::NONE;
-use crate::values::{Operation, Value};
+use crate::values::{Negated, Operation, Value};
 
 /// A value in memory that is read again within this number of steps is loaded into a free register.
 const RELOAD_DISTANCE: u32 = 40;
@@ -24,8 +24,8 @@ impl Generator<'_, Encoder> {
             self.prefetch(operands, &mut pinned);
         }
         match (operation, operands) {
-            (Operation::MultiplyAdd { negative_product, negative_addend }, &[a, b, c]) => {
-                self.multiply_add(value, [a, b, c], (negative_product, negative_addend), pinned)
+            (Operation::MultiplyAdd(negated), &[a, b, c]) => {
+                self.multiply_add(value, [a, b, c], negated, pinned)
             }
             (Operation::SquareRoot | Operation::Broadcast, &[a]) => {
                 self.unary(operation, value, a, pinned)
@@ -131,7 +131,15 @@ impl Generator<'_, Encoder> {
         };
         let compares = matches!(operation, Operation::LessOrEqual | Operation::IsNan);
         if compares && self.instruction_set == InstructionSet::Avx512 {
-            self.compare(register, (first, second), opcode, immediate, bytes);
+            let operands = Operands {
+                vector: bytes.max(16),
+                register,
+                source: first,
+                place: second,
+                memory: bytes,
+                immediate,
+            };
+            self.compare_into_vector(opcode, operands);
         } else {
             self.write_reading(memory, opcode, bytes, [register, source], second, immediate);
         }
@@ -151,32 +159,13 @@ impl Generator<'_, Encoder> {
 
     /// Writes a comparison whose result is a vector. AVX-512 compares into masks; only registers
     /// below 16 can be compared without them.
-    fn compare(
-        &mut self,
-        register: u8,
-        (first, second): (u8, Place),
-        opcode: Opcode,
-        predicate: Option<u8>,
-        bytes: usize,
-    ) {
+    fn compare_into_vector(&mut self, opcode: Opcode, operands: Operands) {
         // k1
-        let operands = Operands {
-            vector: bytes.max(16),
-            register: 1,
-            source: first,
-            place: second,
-            memory: bytes,
-            immediate: predicate,
-        };
-        self.encoder.vector(Encoding::Evex, opcode, &operands);
-        let operands = Operands {
-            register,
-            source: 0,
-            place: Place::Register(1),
-            immediate: None,
-            ..operands
-        };
-        self.encoder.vector(Encoding::Evex, mask_to_vector(self.size), &operands);
+        let into_mask = Operands { register: 1, ..operands };
+        self.encoder.vector(Encoding::Evex, opcode, &into_mask);
+        let from_mask =
+            Operands { source: 0, place: Place::Register(1), immediate: None, ..operands };
+        self.encoder.vector(Encoding::Evex, mask_to_vector(self.size), &from_mask);
     }
 
     fn unary(&mut self, operation: Operation, value: Value, a: Value, mut pinned: u32) -> u8 {
@@ -248,7 +237,7 @@ impl Generator<'_, Encoder> {
         &mut self,
         value: Value,
         operands: [Value; 3],
-        signs: (bool, bool),
+        negated: Negated,
         mut pinned: u32,
     ) -> u8 {
         let bytes = self.registers.bytes(value);
@@ -319,7 +308,7 @@ impl Generator<'_, Encoder> {
             _ if memory == Some(1 - over) => (0x90, registers[2], place(1 - over, self)),
             _ => (0xa0, registers[1 - over], place(2, self)),
         };
-        let opcode = multiply_add(form, signs, scalar, self.size);
+        let opcode = multiply_add(form, negated, scalar, self.size);
         self.write(opcode, bytes, [register, source], last, None);
         register
     }

@@ -12,8 +12,8 @@ use crate::values::Value;
 const LESS: u8 = 1;
 
 impl Generator<'_, Encoder> {
-    /// Writes a jump that is taken unless all lanes of the first value are less than those of the
-    /// second, and returns the position of its distance.
+    /// Writes a jump that is taken unless all lanes of the first value are less than the lanes of
+    /// the second value, and returns the position of its distance.
     pub(super) fn jump_unless_less(&mut self, [squares, limit]: [Value; 2]) -> usize {
         let bytes = self.registers.bytes(squares);
         let lanes = self.lanes(squares);

@@ -1,6 +1,7 @@
 //! The instructions for both precisions.
 
 use super::encode::Opcode;
+use crate::values::Negated;
 
 const fn both(map: u8, prefix: u8, byte: u8, evex_w: bool) -> Opcode {
     Opcode { map, prefix, byte, vex_w: false, evex_w }
@@ -41,13 +42,8 @@ pub(crate) const SIGNS: u8 = 0x50;
 pub(crate) const COMPARE_FLAGS: u8 = 0x2f;
 
 /// A fused multiply-add; `form` is 0x90, 0xA0 or 0xB0 for the orders 132, 213 and 231.
-pub(crate) const fn multiply_add(
-    form: u8,
-    (negative_product, negative_addend): (bool, bool),
-    scalar: bool,
-    size: usize,
-) -> Opcode {
-    let kind = match (negative_product, negative_addend) {
+pub(crate) const fn multiply_add(form: u8, negated: Negated, scalar: bool, size: usize) -> Opcode {
+    let kind = match (negated.product, negated.addend) {
         (false, false) => 8,
         (false, true) => 0xa,
         (true, false) => 0xc,

@@ -80,8 +80,8 @@ impl<'e> Classes<'e> {
     }
 
     /// Returns the elements whose attributes an element has, the nearest first: the element itself,
-    /// those of its class or else of the class `inherited` from the bodies around it, and those of
-    /// the classes around that.
+    /// the elements of its class or else of the class `inherited` from the bodies around it, and
+    /// the elements of the classes around its class.
     pub fn chain(&self, element: &'e Element, inherited: Option<&str>) -> Vec<&'e Element> {
         let mut chain = vec![element];
         let mut next = Some(element.text("class").or(inherited).unwrap_or(MAIN));

@@ -104,8 +104,8 @@ fn placed(
             [radius, radius, half]
         }
     } else if kind == "hfield" {
-        // The mass of a height field is that of the box with its half lengths and its mean height,
-        // about the geom's origin.
+        // The mass of a height field is the mass of the box with its half lengths and its mean
+        // height, about the geom's origin.
         let field = geom.text("hfield").and_then(|name| model.asset("hfield", name));
         let size = field.and_then(|field| field.text("size")).and_then(super::check::numbers);
         let [x, y, top, bottom] = size.ok_or("the height field of a geom is not in the file")?;

@@ -72,8 +72,8 @@ impl<'e> Bodies<'e, '_, '_> {
                     };
                     only_in_steps.add(&item, &read);
                     unread.add(&item, &left_out);
-                    let name = item.name().unwrap_or_else(|| "tendon".into());
-                    let name = names.unique(&name, "tendon");
+                    let given = item.name().unwrap_or_else(|| "tendon".into());
+                    let name = names.unique(&given, "tendon");
                     let tendon = self.soft_tendon(&item, name, &sum);
                     if tendon.dry_friction > 0.0 {
                         rubbing.push((Some(element.at), None));

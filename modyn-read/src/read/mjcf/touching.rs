@@ -127,15 +127,15 @@ impl<'e> Bodies<'e, '_, '_> {
                 }
             }
         }
-        let references = self.references.iter().enumerate();
-        let references = references.filter(|(_, reference)| reference.drawn != 0.0);
         if let (Some(_), Some((at, _))) = (given, planes.first()) {
             let message =
                 "the option `ground` adds a plane, and the file has one that the robot touches";
             let help = "leave the option out, or remove the plane from the file";
             self.report.error(Code::Option, *at, None, message, help);
         }
+        let references = self.references.iter().enumerate();
         soft.references = references
+            .filter(|(_, reference)| reference.drawn != 0.0)
             .map(|(joint, reference)| JointReference { joint, coordinate: reference.drawn })
             .collect();
         let limits = if soft.joint_limits { self.of_section("tendon") } else { Vec::new() };

@@ -17,9 +17,9 @@ impl<'a> Reader<'a, '_, '_, '_> {
         let mut shapes = Vec::new();
         for visual in self.xml.named(link, "visual").collect::<Vec<_>>() {
             let part = |name: &str| children(visual).find(|node| is(*node, name));
-            let geometry = part("geometry").and_then(|node| children(node).find(Node::is_element));
-            let geometry = geometry.ok_or_else(|| "has no `<geometry>`".into());
-            match geometry.and_then(|geometry| self.geometry(geometry)) {
+            let element = part("geometry").and_then(|node| children(node).find(Node::is_element));
+            let described = element.ok_or_else(|| "has no `<geometry>`".into());
+            match described.and_then(|element| self.geometry(element)) {
                 Ok(geometry) => shapes.push(Shape {
                     pose: part("origin").map_or_else(Pose::identity, pose),
                     geometry,

@@ -15,7 +15,7 @@ use super::scopes::{Macro, Parameter, Property, Scopes};
 use super::tree::{self, Attribute, Call, Element, MAX_DEPTH, Node, Place};
 use super::value::{MAX_WORK, ScopeId, Value};
 use crate::description::ReadOptions;
-use crate::diagnostics::{Code, ExpansionCall, Report, Severity, suggest};
+use crate::diagnostics::{Code, Diagnostic, ExpansionCall, Origin, Report, Severity, suggest};
 use crate::read::file::read_named;
 use crate::read::packages::Packages;
 use crate::read::xml;
@@ -151,8 +151,9 @@ impl<'e, 'r> Expander<'e, 'r> {
             };
             help.into()
         });
+        let error = Diagnostic::new(Severity::Error, Code::Xacro, reason).with_help(help);
         let call = place.call.unwrap_or(0);
-        self.report.error_in_call(Code::Xacro, place.at, (&self.calls, call), reason, help);
+        self.report.add_in_call(error, &Origin { at: place.at, calls: &self.calls, call });
         Err(Refused)
     }
 
@@ -770,17 +771,12 @@ impl<'e, 'r> Expander<'e, 'r> {
 
     /// Adds a warning at the place that is being expanded.
     pub fn warn(&mut self, message: &str) {
-        let call = self.place.call.unwrap_or(0);
-        let calls = (self.calls.as_slice(), call);
         let help = "the description itself has this warning";
-        self.report.add_in_call(
-            Severity::Warning,
-            Code::XacroWarning,
-            self.place.at,
-            calls,
-            message,
-            help,
-        );
+        let warning =
+            Diagnostic::new(Severity::Warning, Code::XacroWarning, message).with_help(help);
+        let Place { at, call } = self.place;
+        let origin = Origin { at, calls: &self.calls, call: call.unwrap_or(0) };
+        self.report.add_in_call(warning, &origin);
     }
 }
 

@@ -34,8 +34,8 @@ pub fn describe(text: &str, options: &ReadOptions, report: &mut Report<'_>) -> O
     urdf::describe(&urdf, options, report)
 }
 
-/// Returns the URDF; `None` with an error in the report. From then on, the report's offsets are
-/// those of the URDF.
+/// Returns the URDF; `None` with an error in the report. From then on, the report's offsets refer
+/// to the URDF.
 pub fn expand(text: &str, options: &ReadOptions, report: &mut Report<'_>) -> Option<String> {
     let document = xml::document::parse(text, 0, "robot", report)?;
     let mut expander = Expander::new(PathBuf::new(), options, report);

@@ -93,11 +93,11 @@ impl Expander<'_, '_> {
         };
         let parsed = parse(text).map_err(in_words)?;
         let mut names = Scoped { expander: self, scope, fault: None };
-        let found = evaluate(&parsed, &mut names).and_then(|value| {
+        let evaluated = evaluate(&parsed, &mut names).and_then(|value| {
             names.spend(value.weight()? / 10)?;
             Ok(value)
         });
-        match (found, names.fault) {
+        match (evaluated, names.fault) {
             (Ok(Value::Sequence(result)), _) if result.kind == SequenceKind::Iterator => {
                 Err(in_words("the result is an iterator: write `list(...)` of it".into()))
             }

@@ -184,8 +184,8 @@ impl Reader<'_> {
                 && &**merge == "<<"
             {
                 self.spend(others.len() / 100, number)?;
-                for (own, value) in others.iter() {
-                    let added = entries.add(own.clone(), value.clone());
+                for (name, value) in others.iter() {
+                    let added = entries.add(name.clone(), value.clone());
                     added.map_err(|reason| (number, reason))?;
                 }
                 continue;

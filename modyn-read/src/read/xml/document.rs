@@ -49,8 +49,8 @@ fn parts(text: &str) -> impl Iterator<Item = (Part, Range<usize>)> {
     })
 }
 
-/// Replaces text that XML forbids but robot files contain by spaces, so that offsets do not change:
-/// comments (with lines of dashes), and text before the XML declaration. Counts attributes and
+/// Replaces text that XML forbids but robot files contain by spaces: comments (with lines of
+/// dashes), and text before the XML declaration. Offsets do not change. Counts attributes and
 /// namespaces in tags.
 pub fn blank_comments(text: &str) -> (String, Tags<'_>) {
     let mut bytes = text.as_bytes().to_vec();
@@ -166,9 +166,9 @@ pub const USD_HELP: &str = "convert it to URDF: `pip install nvidia-srl-usd-to-u
 /// The character that replaces the colon after a prefix. No name of URDF and SDF contains it.
 pub const PREFIX_END: char = '.';
 
-/// Returns the text with each `prefix:name` of an element or attribute replaced by `prefix.name`,
-/// so that offsets do not change. The programs that read URDF and SDF know no namespaces: to them,
-/// a prefix is a part of the name, whether it is declared or not.
+/// Returns the text with each `prefix:name` of an element or attribute replaced by `prefix.name`.
+/// Offsets do not change. The programs that read URDF and SDF know no namespaces: to them, a prefix
+/// is a part of the name, whether it is declared or not.
 pub fn with_prefixes_in_names(text: &str) -> String {
     let mut bytes = text.as_bytes().to_vec();
     for (_, range) in parts(text).filter(|(part, _)| matches!(part, Part::Tag)) {

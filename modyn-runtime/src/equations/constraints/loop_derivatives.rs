@@ -4,7 +4,7 @@
 //! relative to it: a displacement of the ancestor does not change the relative motion. P is the
 //! second frame's origin. The first body has the angular velocity W and angular acceleration A, and
 //! its material point at P the velocity v_1 and the acceleration b_1; the second body's frame has
-//! V, B, v_2 and b_2. The components of the relative motion in the first frame's axes are those of
+//! V, B, v_2 and b_2. The relative motion has in the first frame's axes the components of
 //!
 //! ```text
 //! velocity:     V - W,            y = v_2 - v_1

@@ -201,8 +201,8 @@ impl<S: Scalar> Path<S> {
     }
 
     /// Calls `add` with the change of each joint force of a wrench on the last body at the point,
-    /// for each coordinate: the change, the degree of freedom of the force and that of the
-    /// coordinate. The wrench is constant in the root's axes.
+    /// for each coordinate: the change, the degree of freedom of the force and the degree of
+    /// freedom of the coordinate. The wrench is constant in the root's axes.
     pub(super) fn forces_under(
         &self,
         wrench: Wrench<S>,

@@ -50,8 +50,8 @@ impl UduLayout {
         modules: &ModuleTree,
         couplings: impl Iterator<Item = Vec<usize>>,
     ) -> Self {
-        let loops = model.constraints.len() - model.contacts();
-        let loops = model.constraints[..loops].iter().map(|constraint| moving(model, constraint));
+        let count = model.constraints.len() - model.contacts();
+        let loops = model.constraints[..count].iter().map(|constraint| moving(model, constraint));
         let (partition, in_front) = coupled(model, modules, loops.chain(couplings));
         Self::with(model.nv, partition, in_front)
     }
@@ -183,9 +183,10 @@ fn moving<S: Scalar>(model: &Mechanism<S>, constraint: &ConstrainedFrames<S>) ->
     bodies.flat_map(|i| model.dofs_of(i)).map(|dof| dof.v).collect()
 }
 
-/// Returns the partition and the couplings of a robot with mimic joints, or with these coupled entries of qd.
-/// A module has the entries of the joint vectors that belong to its own joints; it has none if all its joints are mimics.
-/// The sparsity pattern of the mass matrix is followed through the elimination.
+/// Returns the partition and the couplings of a robot with mimic joints, or with these coupled
+/// entries of qd. A module has the entries of the joint vectors that belong to its own joints; it
+/// has none if all its joints are mimics. The sparsity pattern of the mass matrix is followed
+/// through the elimination.
 fn coupled<S: Scalar>(
     model: &Mechanism<S>,
     modules: &ModuleTree,
