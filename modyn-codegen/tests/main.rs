@@ -22,6 +22,7 @@ mod same_text;
 mod self_contained;
 mod single_precision;
 mod singular;
+mod step_derivatives;
 mod type_page;
 mod units;
 mod user_functions;

@@ -85,6 +85,8 @@ struct Typed<S: Number> {
     arguments: Vec<(Argument, Vec<usize>)>,
     /// The names of the robot's contacts.
     contacts: Vec<String>,
+    /// The settings of constraints by default.
+    settings: Vec<S>,
     /// The settings of steps by the description.
     step_settings: Vec<S>,
     /// The function; `None` for a bundle.
@@ -117,7 +119,8 @@ impl<S: Number> Typed<S> {
         let length = planned.result.len();
         let result = layout::of_result(&planned.result);
         let contacts = contact_names(&planning.model);
-        let step_settings = default_step_settings(&planning.model);
+        let settings = default_settings(ArgumentKind::Settings, &planning.model);
+        let step_settings = default_settings(ArgumentKind::StepSettings, &planning.model);
         let mut options = Options::default();
         options.batches = true;
         let compiled = machine_code.then(|| Compiled::from_plan(&planning, options));
@@ -134,6 +137,7 @@ impl<S: Number> Typed<S> {
             name,
             arguments,
             contacts,
+            settings,
             step_settings,
             function,
             result,
@@ -156,7 +160,8 @@ impl<S: Number> Typed<S> {
             name: function.name(),
             arguments: row.arguments.iter().map(argument).collect(),
             contacts: contact_names(robot.model()),
-            step_settings: default_step_settings(robot.model()),
+            settings: default_settings(ArgumentKind::Settings, robot.model()),
+            step_settings: default_settings(ArgumentKind::StepSettings, robot.model()),
             function: Some(function),
             single: arrays::single(&result, length),
             result,
@@ -216,9 +221,7 @@ impl<S: Number> Typed<S> {
             (ArgumentKind::Contacts, None) => {
                 Ok(Given::owned(name, vec![S::one(); shape.iter().product()]))
             }
-            (ArgumentKind::Settings, None) => {
-                Ok(Given::owned(name, default_settings(shape.iter().product())))
-            }
+            (ArgumentKind::Settings, None) => Ok(Given::owned(name, self.settings.clone())),
             (ArgumentKind::StepSettings, None) => {
                 Ok(Given::owned(name, self.step_settings.clone()))
             }
@@ -535,23 +538,15 @@ fn rounded<S: Number>(inertial: &Inertial) -> Inertial<S> {
     inertial.map(S::from_f64)
 }
 
-/// Returns the default settings of constraints as this many numbers, in the order of
-/// `ConstraintSettings`.
-pub fn default_settings<S: Number>(length: usize) -> Vec<S> {
-    let contacts = S::GROUND.numbers().into_iter().cycle();
-    S::SETTINGS.numbers().into_iter().chain(contacts).take(length).collect()
+/// Returns the settings of constraints or of steps that a robot has by default.
+pub fn default_settings<S: Number>(kind: ArgumentKind, model: &Model) -> Vec<S> {
+    let settings = S::FLOAT.default_settings(kind, model).unwrap_or_default();
+    settings.into_iter().map(S::from_f64).collect()
 }
 
 /// Returns whether an argument is zeros where it is not given.
 pub fn has_zeros(argument: &str) -> bool {
     ["applied", "warm_start"].contains(&argument)
-}
-
-/// Returns the settings of steps by the description, in the order of `StepSettings`.
-pub fn default_step_settings<S: Number>(model: &Model) -> Vec<S> {
-    let mut settings = model.step_settings();
-    settings.tolerance = S::STEP_SETTINGS.tolerance.into();
-    settings.all_numbers().into_iter().map(S::from_f64).collect()
 }
 
 fn evaluated<S: Number>(planning: Planning) -> Option<Evaluated<S>> {

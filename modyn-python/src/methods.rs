@@ -729,6 +729,32 @@ impl Robot {
         self.call(py, 36, &[Some(q), Some(qd), Some(tau), Some(dt), warm_start, settings], None, out)
     }
 
+    /// Returns the results of `step`, and the derivatives of the state after it: `a` with respect
+    /// to the state before and `b` with respect to `tau`. A state has the entries of q (in tangent
+    /// space), then the entries of qd. The derivatives follow from the implicit function theorem at
+    /// the solution; where a contact opens or closes, or a point begins to slide, they are
+    /// one-sided.
+    ///
+    /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number; `warm_start`: (nv,), by
+    /// default zeros; `settings`: `StepSettings`, by default the result of `step_settings()`.
+    /// Result: `LinearizedStep`: `q` (nq,), `qd` (nv,), `qdd` (nv,), `forces` (touching points, 3),
+    /// `a` (2 nv, 2 nv), `b` (2 nv, nv), `residual` a number, `iterations` a number. Several states
+    /// have one more axis, the first.
+    #[pyo3(signature = (q, qd, tau, dt, warm_start=None, settings=None, *, out=None))]
+    fn step_derivatives<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        qd: &Bound<'py, PyAny>,
+        tau: &Bound<'py, PyAny>,
+        dt: &Bound<'py, PyAny>,
+        warm_start: Argument<'_, 'py>,
+        settings: Argument<'_, 'py>,
+        out: Argument<'_, 'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        self.call(py, 37, &[Some(q), Some(qd), Some(tau), Some(dt), warm_start, settings], None, out)
+    }
+
     /// Returns the joint forces `tau` of the actuators under the controls `ctrl`, in the order of
     /// `control_names`, and the activations after the time `dt` (s), in the order of
     /// `activation_names`. The laws are MuJoCo's: controls, forces, activations and joint forces
@@ -749,7 +775,7 @@ impl Robot {
         act: Argument<'_, 'py>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 37, &[Some(q), Some(qd), Some(ctrl), Some(dt), act], None, out)
+        self.call(py, 38, &[Some(q), Some(qd), Some(ctrl), Some(dt), act], None, out)
     }
 
     /// Returns the state and the activations after a step of the time `dt` (s) under the controls
@@ -778,7 +804,36 @@ impl Robot {
         settings: Argument<'_, 'py>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 38, &[Some(q), Some(qd), Some(ctrl), Some(dt), act, applied, warm_start, settings], None, out)
+        self.call(py, 39, &[Some(q), Some(qd), Some(ctrl), Some(dt), act, applied, warm_start, settings], None, out)
+    }
+
+    /// Returns the results of `step_actuated`, and the derivatives of the state after it: `a` with
+    /// respect to the state before and `b` with respect to `ctrl`. A state has the entries of q (in
+    /// tangent space), the entries of qd, then `act`. All else is as in `step_derivatives`.
+    ///
+    /// Arguments: `q`: (nq,); `qd`: (nv,); `ctrl`: (controls,); `dt`: a number; `act`:
+    /// (activations,), which a robot without activations leaves out; `applied`: (nv,), by default
+    /// zeros; `warm_start`: (nv,), by default zeros; `settings`: `StepSettings`, by default the
+    /// result of `step_settings()`.
+    /// Result: `LinearizedActuatedStep`: `q` (nq,), `qd` (nv,), `act` (activations,), `qdd` (nv,),
+    /// `forces` (touching points, 3), `a` (2 nv + activations, 2 nv + activations), `b` (2 nv +
+    /// activations, controls), `residual` a number, `iterations` a number. Several states have one
+    /// more axis, the first.
+    #[pyo3(signature = (q, qd, ctrl, dt, act=None, applied=None, warm_start=None, settings=None, *, out=None))]
+    fn step_actuated_derivatives<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        qd: &Bound<'py, PyAny>,
+        ctrl: &Bound<'py, PyAny>,
+        dt: &Bound<'py, PyAny>,
+        act: Argument<'_, 'py>,
+        applied: Argument<'_, 'py>,
+        warm_start: Argument<'_, 'py>,
+        settings: Argument<'_, 'py>,
+        out: Argument<'_, 'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        self.call(py, 40, &[Some(q), Some(qd), Some(ctrl), Some(dt), act, applied, warm_start, settings], None, out)
     }
 
     /// Returns the joint forces of the accelerations `qdd`, the wrenches of the active contacts
@@ -803,7 +858,7 @@ impl Robot {
         settings: Argument<'_, 'py>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 39, &[Some(q), Some(qd), Some(qdd), contacts, settings], None, out)
+        self.call(py, 41, &[Some(q), Some(qd), Some(qdd), contacts, settings], None, out)
     }
 
     /// Returns the Jacobian of each constraint. The product with `qd` is, for a loop constraint,
@@ -821,7 +876,7 @@ impl Robot {
         q: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 40, &[Some(q)], None, out)
+        self.call(py, 42, &[Some(q)], None, out)
     }
 
     /// Returns the bias acceleration of each constraint: the time derivative of
@@ -838,7 +893,7 @@ impl Robot {
         qd: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 41, &[Some(q), Some(qd)], None, out)
+        self.call(py, 43, &[Some(q), Some(qd)], None, out)
     }
 
     /// Returns the operational-space inertia of the constraints, its inverse J M^-1 J^T with the
@@ -861,7 +916,7 @@ impl Robot {
         settings: Argument<'_, 'py>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 42, &[Some(q), contacts, settings], None, out)
+        self.call(py, 44, &[Some(q), contacts, settings], None, out)
     }
 
     /// Returns the regressor Y of inverse dynamics: tau = Y pi, without rotors and friction. pi has
@@ -879,7 +934,7 @@ impl Robot {
         qdd: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 43, &[Some(q), Some(qd), Some(qdd)], None, out)
+        self.call(py, 45, &[Some(q), Some(qd), Some(qdd)], None, out)
     }
 
     /// Returns the centre of mass of the moving links in world axes, m.
@@ -893,7 +948,7 @@ impl Robot {
         q: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 44, &[Some(q)], None, out)
+        self.call(py, 46, &[Some(q)], None, out)
     }
 
     /// Returns the Jacobian of the centre of mass. Its product with `qd` is the velocity of the
@@ -908,7 +963,7 @@ impl Robot {
         q: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 45, &[Some(q)], None, out)
+        self.call(py, 47, &[Some(q)], None, out)
     }
 
     /// Returns the centroidal momentum matrix. Its product with `qd` is the momentum about the
@@ -925,7 +980,7 @@ impl Robot {
         q: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 46, &[Some(q)], None, out)
+        self.call(py, 48, &[Some(q)], None, out)
     }
 
     /// Returns the centroidal composite inertia. Its product with a twist is the momentum about the
@@ -942,7 +997,7 @@ impl Robot {
         q: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 47, &[Some(q)], None, out)
+        self.call(py, 49, &[Some(q)], None, out)
     }
 
     /// Returns the momentum of the moving links about their centre of mass, in world axes. Rotors
@@ -959,7 +1014,7 @@ impl Robot {
         qd: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 48, &[Some(q), Some(qd)], None, out)
+        self.call(py, 50, &[Some(q), Some(qd)], None, out)
     }
 
     /// Returns the time derivative of the centroidal momentum in world axes: the moment (N m) and
@@ -978,7 +1033,7 @@ impl Robot {
         qdd: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 49, &[Some(q), Some(qd), Some(qdd)], None, out)
+        self.call(py, 51, &[Some(q), Some(qd), Some(qdd)], None, out)
     }
 
     /// Returns the momentum of the moving links about their centre of mass, its time derivative at
@@ -999,7 +1054,7 @@ impl Robot {
         qdd: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 50, &[Some(q), Some(qd), Some(qdd)], None, out)
+        self.call(py, 52, &[Some(q), Some(qd), Some(qdd)], None, out)
     }
 
     /// Returns the poses in the world of all links of the description, fixed links included, in the
@@ -1015,7 +1070,7 @@ impl Robot {
         q: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 51, &[Some(q)], None, out)
+        self.call(py, 53, &[Some(q)], None, out)
     }
 
     /// Returns the pose of a link in the world. Computes the link's kinematic path only.
@@ -1031,7 +1086,7 @@ impl Robot {
         link: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 52, &[Some(q)], Some(link), out)
+        self.call(py, 54, &[Some(q)], Some(link), out)
     }
 
     /// Returns the velocity of a link's origin (m/s) and its angular velocity (rad/s), in world
@@ -1050,7 +1105,7 @@ impl Robot {
         link: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 53, &[Some(q), Some(qd)], Some(link), out)
+        self.call(py, 55, &[Some(q), Some(qd)], Some(link), out)
     }
 
     /// Returns the velocity of a link's origin (m/s) and its angular velocity (rad/s), in the
@@ -1069,7 +1124,7 @@ impl Robot {
         link: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 54, &[Some(q), Some(qd)], Some(link), out)
+        self.call(py, 56, &[Some(q), Some(qd)], Some(link), out)
     }
 
     /// Returns the classical acceleration of a link's origin (m/s^2) and its angular acceleration
@@ -1089,7 +1144,7 @@ impl Robot {
         link: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 55, &[Some(q), Some(qd), Some(qdd)], Some(link), out)
+        self.call(py, 57, &[Some(q), Some(qd), Some(qdd)], Some(link), out)
     }
 
     /// Returns the classical acceleration of a link's origin (m/s^2) and its angular acceleration
@@ -1110,7 +1165,7 @@ impl Robot {
         link: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 56, &[Some(q), Some(qd), Some(qdd)], Some(link), out)
+        self.call(py, 58, &[Some(q), Some(qd), Some(qdd)], Some(link), out)
     }
 
     /// Returns the Jacobian of a link. Its product with `qd` is the velocity of the link at its
@@ -1127,7 +1182,7 @@ impl Robot {
         link: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 57, &[Some(q)], Some(link), out)
+        self.call(py, 59, &[Some(q)], Some(link), out)
     }
 
     /// Returns the Jacobian of a link. Its product with `qd` is the velocity of the link at its
@@ -1144,7 +1199,7 @@ impl Robot {
         link: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 58, &[Some(q)], Some(link), out)
+        self.call(py, 60, &[Some(q)], Some(link), out)
     }
 
     /// Returns the time derivative of `jacobian`. Its product with `qd` is `jacobian_dot_qd`.
@@ -1163,7 +1218,7 @@ impl Robot {
         link: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 59, &[Some(q), Some(qd)], Some(link), out)
+        self.call(py, 61, &[Some(q), Some(qd)], Some(link), out)
     }
 
     /// Returns the time derivative of `jacobian_local`. Its product with `qd` is
@@ -1182,7 +1237,7 @@ impl Robot {
         link: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 60, &[Some(q), Some(qd)], Some(link), out)
+        self.call(py, 62, &[Some(q), Some(qd)], Some(link), out)
     }
 
     /// Returns the bias acceleration of a link in world axes: the time derivative of `jacobian`
@@ -1202,7 +1257,7 @@ impl Robot {
         link: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 61, &[Some(q), Some(qd)], Some(link), out)
+        self.call(py, 63, &[Some(q), Some(qd)], Some(link), out)
     }
 
     /// Returns the bias acceleration of a link in its own axes: the time derivative of
@@ -1221,7 +1276,7 @@ impl Robot {
         link: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 62, &[Some(q), Some(qd)], Some(link), out)
+        self.call(py, 64, &[Some(q), Some(qd)], Some(link), out)
     }
 
     /// Returns the coordinates after the displacement `v` (a velocity times a time) from `q`.
@@ -1236,7 +1291,7 @@ impl Robot {
         v: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 63, &[Some(q), Some(v)], None, out)
+        self.call(py, 65, &[Some(q), Some(v)], None, out)
     }
 
     /// Returns the displacement `v` with which `integrate` leads from `from_` to `to`. Rotations
@@ -1252,7 +1307,7 @@ impl Robot {
         to: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 64, &[Some(from_), Some(to)], None, out)
+        self.call(py, 66, &[Some(from_), Some(to)], None, out)
     }
 
     /// Returns the derivatives of `integrate` with respect to `q` and `v` in tangent space:
@@ -1269,7 +1324,7 @@ impl Robot {
         v: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 65, &[Some(q), Some(v)], None, out)
+        self.call(py, 67, &[Some(q), Some(v)], None, out)
     }
 
     /// Returns the derivatives of `difference` with respect to `from_` and `to` in tangent space:
@@ -1286,7 +1341,7 @@ impl Robot {
         to: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 66, &[Some(from_), Some(to)], None, out)
+        self.call(py, 68, &[Some(from_), Some(to)], None, out)
     }
 
     /// Returns dq/dt, the rates of the coordinates `q` at the velocities `qd`.
@@ -1301,7 +1356,7 @@ impl Robot {
         qd: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 67, &[Some(q), Some(qd)], None, out)
+        self.call(py, 69, &[Some(q), Some(qd)], None, out)
     }
 
     /// Returns the coordinates with quaternions scaled to length 1.
@@ -1315,7 +1370,7 @@ impl Robot {
         q: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 68, &[Some(q)], None, out)
+        self.call(py, 70, &[Some(q)], None, out)
     }
 
     /// Returns coordinates within the joint limits, from random numbers uniformly distributed in
@@ -1331,7 +1386,7 @@ impl Robot {
         uniforms: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 69, &[Some(uniforms)], None, out)
+        self.call(py, 71, &[Some(uniforms)], None, out)
     }
     // <!-- end -->
 }

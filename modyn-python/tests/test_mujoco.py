@@ -431,3 +431,49 @@ def test_motions_under_controls(scene):
         for found, expected in zip(motion, x):
             close(found[k], expected, 1e-7)
     close(theirs.to_qpos(q), data.qpos, 1e-6)
+
+
+@pytest.mark.parametrize("scene", (1, 2, 10))
+@pytest.mark.filterwarnings("ignore:.*in `step`")
+def test_derivatives_under_controls(scene):
+    """A and B of the first step of these robots, beside MuJoCo's differences."""
+    case = json.loads((GOLDEN / "actuated.json").read_text())[scene]
+    robot = modyn.loads(case["mjcf"], file="floor.xml", unread_forces="warn", mimic="independent")
+    model = mujoco.MjModel.from_xml_string(case["mjcf"])
+    solve_exactly(model, case["step"])
+    data = mujoco.MjData(model)
+    settings = robot.step_settings()
+    settings.tolerance = 1e-13
+    theirs = modyn.conventions.MuJoCo(robot, model)
+    n, compared = robot.nv, 0
+
+    def to_theirs(q, qd):
+        """Returns the matrix from changes of a state to MuJoCo's, whose free joints have linear displacements and velocities in
+        the world."""
+        matrix = np.eye(2 * n + len(act))
+        for k, unit in enumerate(np.eye(n)):
+            matrix[:n, k] = matrix[n : 2 * n, n + k] = theirs.to_qvel(q, unit)
+            ends = (theirs.to_qvel(robot.integrate(q, change * unit), qd) for change in (1e-5, -1e-5))
+            matrix[n : 2 * n, k] = np.subtract(*ends) / 2e-5
+        return matrix
+
+    for start in case["states"]:
+        q, qd, ctrl, act, applied = (np.array(start[name]) for name in ("q", "qd", "ctrl", "act", "applied"))
+        x = robot.step_actuated_derivatives(q, qd, ctrl, case["step"], act, applied, None, settings)
+        states = 2 * n + len(act)
+        fine, coarse = (np.zeros((states, states + len(ctrl))) for _ in range(2))
+        for columns, change in ((fine, 1e-6), (coarse, 4e-6)):
+            data.qpos[:], data.qvel[:], data.act[:] = theirs.to_qpos(q), theirs.to_qvel(q, qd), act
+            data.ctrl[:], data.qfrc_applied[:], data.qacc_warmstart[:] = ctrl, applied, 0
+            by_state, by_control = np.zeros((states, states)), np.zeros((states, len(ctrl)))
+            mujoco.mjd_transitionFD(model, data, change, True, by_state, by_control, None, None)
+            columns[:] = np.concatenate([by_state, by_control], 1)
+        columns = to_theirs(x.q, x.qd) @ np.concatenate([x.a @ np.linalg.inv(to_theirs(q, qd)), x.b], 1)
+        # Where two laws meet there are two derivatives, and differences are between them.
+        smooth = (np.abs(fine - coarse) <= 1e-4 * (1 + np.abs(fine))).all(0)
+        # Of controls beyond their range the differences are zero, also where the range does not act.
+        low, high = model.actuator_ctrlrange.T
+        smooth[states:] &= ~(model.actuator_ctrllimited.astype(bool) & ((ctrl < low) | (ctrl > high)))
+        assert np.abs(fine - columns)[:, smooth].max(initial=0) <= 1e-3 * (1 + np.abs(fine).max())
+        compared += smooth.sum()
+    assert compared > 0.5 * len(case["states"]) * (states + len(ctrl))

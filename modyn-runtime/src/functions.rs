@@ -174,8 +174,12 @@ traits! {
         "`{Self}` has no function `step_implicit_midpoint_derivatives`";
     /// Robots that have `step`.
     Step "`{Self}` has no function `step`";
+    /// Robots that have `step_derivatives`.
+    StepDerivatives "`{Self}` has no function `step_derivatives`";
     /// Robots that have `step_actuated`.
     StepActuated "`{Self}` has no function `step_actuated`";
+    /// Robots that have `step_actuated_derivatives`.
+    StepActuatedDerivatives "`{Self}` has no function `step_actuated_derivatives`";
     /// Robots that have `center_of_mass`.
     CenterOfMass "`{Self}` has no function `center_of_mass`";
     /// Robots that have `center_of_mass_jacobian`.
@@ -290,11 +294,12 @@ all_of! {
     InverseDynamicsDerivatives ForwardDynamicsDerivatives InverseDynamicsVjp InverseDynamicsJvp
     ForwardDynamicsVjp ForwardDynamicsJvp InverseDynamicsHessian ForwardDynamicsHessian
     StepSemiImplicit StepSemiImplicitDerivatives StepSemiImplicitHessian StepRk4 StepRk4Derivatives
-    StepImplicitMidpoint StepImplicitMidpointDerivatives Step Regressor CenterOfMassJacobian
-    CentroidalMomentumMatrix CentroidalCompositeInertia CentroidalMomentum CentroidalMomentumRate
-    CentroidalMomentumDerivatives LinkVelocity LinkVelocityLocal LinkAcceleration
-    LinkAccelerationLocal JacobianLocal JacobianTimeDerivative JacobianTimeDerivativeLocal
-    JacobianDotQd JacobianDotQdLocal IntegrateDerivatives DifferenceDerivatives
+    StepImplicitMidpoint StepImplicitMidpointDerivatives Step StepDerivatives Regressor
+    CenterOfMassJacobian CentroidalMomentumMatrix CentroidalCompositeInertia CentroidalMomentum
+    CentroidalMomentumRate CentroidalMomentumDerivatives LinkVelocity LinkVelocityLocal
+    LinkAcceleration LinkAccelerationLocal JacobianLocal JacobianTimeDerivative
+    JacobianTimeDerivativeLocal JacobianDotQd JacobianDotQdLocal IntegrateDerivatives
+    DifferenceDerivatives
     // <!-- end -->
 }
 

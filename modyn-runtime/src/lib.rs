@@ -71,8 +71,8 @@ pub use equations::Forces;
 pub use interpreter::{
     ActuatorOutputs, ConstrainedDerivatives, ConstrainedHessianOutputs, DecompositionError,
     ForwardDerivatives, FrameError, HessianOutputs, InertialError, Interpreter, ModuleMismatch,
-    ShapeError, StepHessianOutputs, StepOutputs, StepSolutionOutputs, UduFactorization,
-    UpdateError,
+    ShapeError, StateDerivatives, StepHessianOutputs, StepOutputs, StepSolutionOutputs,
+    UduFactorization, UpdateError,
 };
 
 #[cfg(feature = "nalgebra")]
@@ -91,8 +91,8 @@ pub use results::{
     ConstrainedInverseDynamics, ConstraintProjection, ConstraintResidual, DifferenceDerivatives,
     ForwardDynamicsDerivatives, ForwardDynamicsHessian, ForwardDynamicsJvp, ForwardDynamicsVjp,
     GeneralizedForces, ImpactDynamics, IntegrateDerivatives, InverseDynamicsDerivatives,
-    InverseDynamicsHessian, InverseDynamicsJvp, InverseDynamicsVjp, OperationalSpaceInertia, Step,
-    StepDerivatives, StepHessian, StepSolution,
+    InverseDynamicsHessian, InverseDynamicsJvp, InverseDynamicsVjp, LinearizedActuatedStep,
+    LinearizedStep, OperationalSpaceInertia, Step, StepDerivatives, StepHessian, StepSolution,
 };
 #[cfg(feature = "alloc")]
 pub use robot::EmbeddedModel;

@@ -280,6 +280,55 @@ pub struct StepSolution<Q, V, A, P, R, I> {
     pub iterations: I,
 }
 
+/// The results of a step with contacts, and the derivatives of the state after it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LinearizedStep<Q, V, A, P, Dx, Dtau, R, I> {
+    /// The coordinates after the step.
+    pub q: Q,
+    /// The velocities after the step, rad/s or m/s.
+    pub qd: V,
+    /// The accelerations in the step, from which the next step starts, rad/s^2 or m/s^2.
+    pub qdd: A,
+    /// The force of each contact along the x and y axes of its plane, then along the normal, N.
+    pub forces: P,
+    /// The derivatives of the state after the step with respect to the state before, an array of
+    /// columns. States are in tangent space.
+    pub a: Dx,
+    /// The derivatives of the state after the step with respect to `tau`, an array of columns.
+    pub b: Dtau,
+    /// The largest mismatch between the forces and their laws, divided by the sum of the robot's weight and the
+    /// largest force. NaN if an argument is NaN.
+    pub residual: R,
+    /// The number of iterations of Newton's method.
+    pub iterations: I,
+}
+
+/// The results of a step under the controls of actuators, and the derivatives of the state after it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LinearizedActuatedStep<Q, V, C, A, P, Dx, Du, R, I> {
+    /// The coordinates after the step.
+    pub q: Q,
+    /// The velocities after the step, rad/s or m/s.
+    pub qd: V,
+    /// The activations after the step.
+    pub act: C,
+    /// The accelerations in the step, from which the next step starts, rad/s^2 or m/s^2.
+    pub qdd: A,
+    /// The force of each contact along the x and y axes of its plane, then along the normal, N.
+    pub forces: P,
+    /// The derivatives of the state after the step with respect to the state before, an array of
+    /// columns. A state has the entries of q, in tangent space, of qd, then the activations.
+    pub a: Dx,
+    /// The derivatives of the state after the step with respect to the controls, an array of
+    /// columns.
+    pub b: Du,
+    /// The largest mismatch between the forces and their laws, divided by the sum of the robot's weight and the
+    /// largest force. NaN if an argument is NaN.
+    pub residual: R,
+    /// The number of iterations of Newton's method.
+    pub iterations: I,
+}
+
 /// The state after a step under the controls of actuators, the forces in it, and how its solver
 /// ended.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -28,9 +28,10 @@ pub use gpu::{
 
 use modyn_read::diagnostics::Diagnostic;
 use modyn_runtime::model::{Model, ModuleTree};
+use modyn_runtime::{ConstraintSettings, ContactTarget, StepSettings};
 
 use crate::names;
-use crate::plan::{Choices, Function, Plan, TooLong};
+use crate::plan::{ArgumentKind, Choices, Function, Plan, TooLong};
 use crate::program::Execution;
 
 /// The scalar of the generated type's own functions.
@@ -57,6 +58,31 @@ impl FloatType {
         match self {
             Self::F64 => "double",
             Self::F32 => "float",
+        }
+    }
+
+    /// Returns the settings of constraints or of steps that a robot has by default, as numbers in
+    /// the order of the argument. The tolerances are within the reach of the scalar. Other arguments
+    /// have no settings: `None`.
+    #[must_use]
+    pub fn default_settings(self, kind: ArgumentKind, model: &Model) -> Option<Vec<f64>> {
+        match kind {
+            ArgumentKind::StepSettings => {
+                let mut settings = model.step_settings();
+                if self == Self::F32 {
+                    settings.tolerance = StepSettings::<f32>::DEFAULT.tolerance.into();
+                }
+                Some(settings.all_numbers())
+            }
+            ArgumentKind::Settings => {
+                let settings = match self {
+                    Self::F64 => ConstraintSettings::<f64>::DEFAULT.numbers(),
+                    Self::F32 => ConstraintSettings::<f32>::DEFAULT.numbers().map(f64::from),
+                };
+                let targets = ContactTarget::<f64>::GROUND.numbers().repeat(model.contacts().len());
+                Some([settings.to_vec(), targets].concat())
+            }
+            _ => None,
         }
     }
 }

@@ -234,7 +234,10 @@ impl Lowering {
                     .packed(Packing::ConstrainedColumns)
                     .rows(|t, s, inputs| t.operational_space_inertia_around_rows(&s.layout, inputs))
             }
-            Function::Step | Function::StepActuated => {
+            Function::Step
+            | Function::StepDerivatives
+            | Function::StepActuated
+            | Function::StepActuatedDerivatives => {
                 Lowering { source: GraphSource::Step, ..Lowering::EVALUATED }
             }
             Function::LinkPoses => Lowering { source: GraphSource::Poses, ..Lowering::EVALUATED },

@@ -14,14 +14,14 @@ use super::dense;
 use super::frames::Frames;
 use super::functions::{CForm, GraphSource, Lowering};
 use super::looped;
-use super::packing;
+use super::packing::{self, COLUMN_LANES};
 use super::planned::{Kernels, Planned};
 use super::user::{TracedForm, TracedFunction};
 use crate::graph::Graph;
 use crate::intern::intern;
 use crate::passes::{balance, optimize};
 use crate::program::{Execution, InvalidProgram, Program};
-use crate::trace::{Drive, EliminationOf, StepGraph, Tracer};
+use crate::trace::{DerivativeForm, Drive, EliminationOf, StepGraph, Tracer};
 
 /// The scalar graphs of the selected functions that also have a selected batch form. Each graph is
 /// traced once, for the function and its batch form.
@@ -250,8 +250,14 @@ impl PlanContext<'_> {
     pub(super) fn step(&self, function: Function, scalars: usize, form: StepForm) -> Kernels {
         let soft = SoftModel::of(self.model);
         let drive = self.drive(function);
-        let traced = |tracer: &Tracer<'_>, elimination: EliminationOf<'_>| {
-            let mut step = tracer.step(elimination, &soft, drive);
+        let has_derivatives =
+            matches!(function, Function::StepDerivatives | Function::StepActuatedDerivatives);
+        let derivatives = |column_lanes: usize| {
+            let layout = &self.for_derivatives;
+            has_derivatives.then_some(DerivativeForm { layout, column_lanes })
+        };
+        let traced = |tracer: &Tracer<'_>, elimination: EliminationOf<'_>, columns: usize| {
+            let mut step = tracer.step(elimination, &soft, drive, derivatives(columns));
             if let StepForm::Entries { feedback } = form {
                 let mut coordinates = vec![0];
                 if feedback {
@@ -267,15 +273,19 @@ impl PlanContext<'_> {
             }
             StepGraph { graph: optimize(step.graph), ..step }
         };
-        let scalar = traced(&self.tracer, &|soft| self.elimination_of_steps(soft));
+        let of_steps = |soft: &SoftModel<f64>| self.elimination_of_steps(soft);
+        let scalar = traced(&self.tracer, &of_steps, 1);
         let links = ModulePartition::new(self.tracer.model(), &ModuleTree::links(self.model));
         let by_links = |_: &SoftModel<f64>| Elimination::Recursive(links.clone());
         let limbs = self.limbs.iter().filter(|limbs| {
             self.has_vectors() && !soft.acts_across_limbs() && limbs.merges_joints(&soft)
         });
-        let packed = limbs.map(|limbs| traced(&self.tracer.packed(limbs), &by_links));
-        let packed = packed.min_by_key(|step| step.graph.count().total());
-        let packed = packed.filter(|packed| packing::is_profitable(&packed.graph, &scalar.graph));
+        let merged = limbs.map(|limbs| traced(&self.tracer.packed(limbs), &by_links, COLUMN_LANES));
+        let has_columns = has_derivatives && self.has_vectors();
+        let columns = has_columns.then(|| traced(&self.tracer, &of_steps, COLUMN_LANES));
+        let packed = (merged.chain(columns))
+            .min_by_key(|step| step.graph.count().total())
+            .filter(|packed| packing::is_profitable(&packed.graph, &scalar.graph));
         let simd = packed.and_then(|step| {
             Program::of_step(&step, scalars, Execution::Simd, |graph| balance(&graph)).ok()
         });

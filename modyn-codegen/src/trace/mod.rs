@@ -36,7 +36,7 @@ pub use evaluation::Solvers;
 pub use limbs::{LimbLimits, LimbPacking};
 pub use looped::{BodyGraphs, BodyKind, LoopedBody};
 pub use parameters::Parameters;
-pub use soft_steps::{Drive, EliminationOf, Part, SEARCH, SolverParts, StepGraph};
+pub use soft_steps::{DerivativeForm, Drive, EliminationOf, Part, SEARCH, SolverParts, StepGraph};
 pub use tangent::{TangentGraphs, TangentInput};
 pub use user::{UserGraphs, UserTraceError};
 

@@ -5,13 +5,16 @@ use std::ops::Range;
 
 use modyn_runtime::Scalar;
 use modyn_runtime::equations::actuation::{ActuationWorkspace, ActuatorInput};
+use modyn_runtime::equations::brge::UduLayout;
 use modyn_runtime::equations::dynamics::Elimination;
+use modyn_runtime::equations::factorization::MergedUduLayout;
 use modyn_runtime::equations::soft_constraints::{
     ActuatedForces, ActuatedInput, Advance, DampingMatrix, Iterate, JointParameters, Progress,
-    Search, SoftModel, SoftMotion, StepInput, StepProblem, StopParameters, next_state,
+    Search, SoftModel, SoftMotion, StepConstraints, StepDrive, StepInput, StepProblem,
+    StopParameters, has_closed_form, next_state, state_derivatives, state_derivatives_by_newton,
 };
 use modyn_runtime::equations::{TimeStepInput, Workspace};
-use modyn_runtime::mechanism::{BodyTree, Mechanism};
+use modyn_runtime::mechanism::{BodyTree, Mechanism, MergedMechanism};
 use modyn_runtime::model::{Impedance, Model, Softness};
 use modyn_runtime::{ContactSurface, StepSettings};
 
@@ -99,11 +102,30 @@ pub enum Drive<'a> {
     Actuators(&'a Model),
 }
 
+/// The form of the derivatives of a step.
+#[derive(Clone, Copy)]
+pub struct DerivativeForm<'a> {
+    /// The layout of the factors of the mass matrix.
+    pub layout: &'a UduLayout,
+    /// The number of columns that are computed at a time, in the lanes of a pack.
+    pub column_lanes: usize,
+}
+
+/// The arguments of a step under controls.
+struct Controls<'a> {
+    described: &'a Model,
+    ctrl: Vec<Expr>,
+    act: Vec<Expr>,
+    applied: Vec<Expr>,
+}
+
 /// The arguments of a step.
-struct StepArguments {
+struct StepArguments<'a> {
     q: Vec<Expr>,
     qd: Vec<Expr>,
     dt: Expr,
+    /// The controls; `None` for a step under joint forces.
+    controls: Option<Controls<'a>>,
     /// All joint forces.
     tau: Vec<Expr>,
     /// The velocity gains of actuators that act with the velocities after the step.
@@ -114,14 +136,52 @@ struct StepArguments {
     settings: Vec<Expr>,
 }
 
-impl StepArguments {
+impl StepArguments<'_> {
+    /// Returns the derivatives of the state after a step with these accelerations of its solution,
+    /// by columns.
+    fn derivatives(
+        &self,
+        model: &Mechanism<Expr>,
+        elimination: &Elimination,
+        soft: &SoftModel<f64>,
+        form: DerivativeForm<'_>,
+        qdd: &[Expr],
+    ) -> Vec<Expr> {
+        let settings = settings_of(&self.settings);
+        let soft = soft.map(Expr::from_f64);
+        let model = &soft.mechanism(model);
+        let constraints = StepConstraints { soft: &soft, settings: &settings };
+        let input = StepInput { warm_start: qdd, ..self.input() };
+        let drive = match &self.controls {
+            None => StepDrive::Forces(&self.tau),
+            Some(Controls { described, ctrl, act, applied }) => {
+                let actuators = ActuatorInput { q: &self.q, qd: &self.qd, ctrl, act, dt: self.dt };
+                let input = ActuatedInput { actuators, applied, warm_start: qdd };
+                StepDrive::Actuators(described, input)
+            }
+        };
+        let columns = match has_closed_form(model, &soft) {
+            true => {
+                let tree = &MergedMechanism::with_column_lanes(model.clone(), form.column_lanes);
+                let layout = &MergedUduLayout::new(tree, form.layout.clone());
+                let mut workspace = Workspace::new(tree);
+                let problem =
+                    StepProblem::new(tree, elimination, input, constraints, &mut workspace)
+                        .damped_by(&self.dampers);
+                state_derivatives(problem, constraints, layout, drive)
+            }
+            false => state_derivatives_by_newton(model, elimination, input, constraints, drive),
+        };
+        columns.concat()
+    }
+
     fn input(&self) -> StepInput<'_, Expr> {
         let Self { q, qd, dt, tau, warm_start, .. } = self;
         StepInput { step: TimeStepInput { q, qd, tau, dt: *dt }, warm_start }
     }
 }
 
-impl Drive<'_> {
+impl<'a> Drive<'a> {
     /// Returns the number of arguments: q, qd, then tau and dt, or the controls, dt, the activations
     /// and the applied forces; the accelerations to start from, and the settings.
     fn count(self, mechanism: &Mechanism<f64>, soft: &SoftModel<f64>) -> usize {
@@ -138,7 +198,7 @@ impl Drive<'_> {
     }
 
     /// Returns the arguments of a step of a robot.
-    fn arguments(self, mechanism: &Mechanism<Expr>, numbers: &[Expr]) -> StepArguments {
+    fn arguments(self, mechanism: &Mechanism<Expr>, numbers: &[Expr]) -> StepArguments<'a> {
         let Mechanism { nq, nv, .. } = *mechanism;
         let mut rest = numbers;
         let mut take = |count: usize| {
@@ -150,13 +210,20 @@ impl Drive<'_> {
         match self {
             Self::Forces => {
                 let [tau, dt, warm_start] = [nv, 1, nv].map(take);
-                let dampers = DampingMatrix::zero(nv);
-                let settings = rest.to_vec();
-                let next_act = Vec::new();
-                StepArguments { q, qd, dt: dt[0], tau, dampers, next_act, warm_start, settings }
+                StepArguments {
+                    dt: dt[0],
+                    controls: None,
+                    dampers: DampingMatrix::zero(nv),
+                    next_act: Vec::new(),
+                    settings: rest.to_vec(),
+                    q,
+                    qd,
+                    tau,
+                    warm_start,
+                }
             }
-            Self::Actuators(model) => {
-                let actuation = model.actuation();
+            Self::Actuators(described) => {
+                let actuation = described.actuation();
                 let activations = actuation.states();
                 let controls = actuation.actuators.len();
                 let [ctrl, dt, act, applied, warm_start] =
@@ -164,22 +231,33 @@ impl Drive<'_> {
                 let actuators = ActuatorInput { q: &q, qd: &qd, ctrl: &ctrl, act: &act, dt: dt[0] };
                 let input = ActuatedInput { actuators, applied: &applied, warm_start: &warm_start };
                 let ActuatedForces { tau, dampers, act: next_act } =
-                    input.forces(model, mechanism, &mut ActuationWorkspace::new(model));
-                let settings = rest.to_vec();
-                StepArguments { q, qd, dt: dt[0], tau, dampers, next_act, warm_start, settings }
+                    input.forces(described, mechanism, &mut ActuationWorkspace::new(described));
+                StepArguments {
+                    dt: dt[0],
+                    controls: Some(Controls { described, ctrl, act, applied }),
+                    settings: rest.to_vec(),
+                    q,
+                    qd,
+                    tau,
+                    dampers,
+                    next_act,
+                    warm_start,
+                }
             }
         }
     }
 }
 
 impl Tracer<'_> {
-    /// Returns the parts of a step. Its `drive` decides its arguments.
+    /// Returns the parts of a step. Its `drive` decides its arguments. With `derivatives`, the
+    /// derivatives of the state are the last results.
     #[must_use]
     pub fn step(
         &self,
         elimination: EliminationOf<'_>,
         soft: &SoftModel<f64>,
         drive: Drive<'_>,
+        derivatives: Option<DerivativeForm<'_>>,
     ) -> StepGraph {
         let count = drive.count(self.model, soft);
         let next_input = count + self.parameters.len();
@@ -196,7 +274,12 @@ impl Tracer<'_> {
                     robot.solvers(&elimination(soft), soft, given, &mut parts);
                 }
             }
-            results = Some(parts.results(model, soft, &arguments));
+            let derive = |qdd: &[Expr]| {
+                derivatives.map_or_else(Vec::new, |form| {
+                    arguments.derivatives(model, &elimination(soft), soft, form, qdd)
+                })
+            };
+            results = Some(parts.results(model, soft, &arguments, derive));
             std::mem::take(&mut parts.outputs)
         });
         StepGraph { graph, solvers: parts.solvers, results: results.expect("the step is traced") }
@@ -222,7 +305,7 @@ impl Tracer<'_> {
             let soft = soft.map(Expr::from_f64);
             let model = &soft.mechanism(model);
             let mut workspace = Workspace::new(model);
-            let constraints = (&soft, &settings);
+            let constraints = StepConstraints { soft: &soft, settings: &settings };
             let problem = StepProblem::new(model, elimination, input, constraints, &mut workspace);
             let motion = problem.damped_by(&arguments.dampers).refined();
             let ends = [Expr::zero(), Expr::zero()];
@@ -269,7 +352,7 @@ impl PackedRobot<'_> {
         let dampers = self.dampers(given.dampers);
         let mut workspace = Workspace::new(&merged);
         for soft in merged_soft.solvers() {
-            let constraints = (&soft, &settings);
+            let constraints = StepConstraints { soft: &soft, settings: &settings };
             let problem =
                 StepProblem::new(&merged, &elimination, input, constraints, &mut workspace)
                     .damped_by(&dampers);
@@ -398,7 +481,7 @@ impl Parts {
         for soft in soft.solvers() {
             let elimination = elimination(&soft);
             let soft = soft.map(Expr::from_f64);
-            let constraints = (&soft, &settings);
+            let constraints = StepConstraints { soft: &soft, settings: &settings };
             let problem = StepProblem::new(model, &elimination, input, constraints, &mut workspace)
                 .damped_by(dampers);
             let rows = vec![vec![true]; problem.rows()];
@@ -474,7 +557,8 @@ impl Parts {
         &mut self,
         model: &Mechanism<Expr>,
         soft: &SoftModel<f64>,
-        arguments: &StepArguments,
+        arguments: &StepArguments<'_>,
+        derivatives: impl FnOnce(&[Expr]) -> Vec<Expr>,
     ) -> Part {
         let begin = self.next_input;
         let solution = &self.solvers.last().expect("a step has a solver").solution;
@@ -483,7 +567,9 @@ impl Parts {
         let (damped, forces) = rest.split_at(model.nv);
         let model = &soft.map(Expr::from_f64).mechanism(model);
         let [next_q, next_qd] = next_state(model, soft, arguments.input().step, [qdd, damped]);
-        self.part(begin, [&next_q, &next_qd, &arguments.next_act, qdd, forces].concat())
+        let derivatives = derivatives(qdd);
+        let state = [&*next_q, &next_qd, &arguments.next_act, qdd];
+        self.part(begin, [&state[..], &[forces, &derivatives]].concat().concat())
     }
 
     /// Returns the part of the inputs since `begin` with these outputs.

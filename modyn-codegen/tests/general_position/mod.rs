@@ -2,7 +2,7 @@
 //! and single precision. They are compared with the aligned mechanism, and with a dense solution by independent means
 //! (`reference.rs`).
 
-mod mechanisms;
+pub mod mechanisms;
 mod reference;
 
 use std::cell::Cell;

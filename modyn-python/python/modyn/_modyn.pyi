@@ -32,8 +32,8 @@ class Options(TypedDict, total=False):
     """The acceleration of free fall in world axes, m/s^2; an MJCF or a model has its own. By default [0.0, 0.0,
     -9.81], or the MJCF's or the model's own. For example: `[0, 0, -1.62]`."""
     base: str | None
-    """Whether the root link is fixed to the world or floats. As described, that of a URDF is fixed, and a link of
-    an SDF floats unless a joint connects it to the world. In every format, `fixed` fixes what floats in the
+    """Whether the root link is fixed to the world or floats. With `described`, a URDF's root link is fixed, and an
+    SDF's floats unless a joint connects it to the world. In every format, `fixed` fixes what floats in the
     world by itself, where the file places it, and `floating` is an error if the robot floats already. By
     default described. For example: `"floating"`."""
     mimic: str | None
@@ -78,8 +78,9 @@ class Options(TypedDict, total=False):
     only. By default error. For example: `"warn"`."""
     packages: Mapping[str, Any] | str | None
     """The folders of ROS packages, which a description names in `$(find ...)` and `package://`. Packages in the
-    folders above the description are found without this option, and so are those of `ROS_PACKAGE_PATH` and
-    `AMENT_PREFIX_PATH`. By default found by their names. For example: `{"arm_description": "robots/arm"}`."""
+    folders above the description are found without this option, and so are packages in the folders of
+    `ROS_PACKAGE_PATH` and `AMENT_PREFIX_PATH`. By default found by their names. For example:
+    `{"arm_description": "robots/arm"}`."""
     xacro_args: Mapping[str, Any] | str | None
     """The values of arguments of a xacro, `<xacro:arg>`, in place of their defaults. By default the defaults of
     the xacro. For example: `{"prefix": "left_"}`."""
@@ -406,23 +407,6 @@ class Robot:
     @property
     def _kept(self) -> dict[Any, Any]:
         """What the package keeps of the robot: signatures and functions of arrays."""
-    def step_derivatives(
-        self,
-        q: ArrayLike,
-        qd: ArrayLike,
-        tau: ArrayLike,
-        dt: ArrayLike,
-        warm_start: ArrayLike | None = None,
-        settings: StepSettings | ArrayLike | None = None,
-    ) -> StepDerivatives:
-        """Returns the state after a `step`, and its derivatives A with respect to the state and B with respect to the joint
-        forces, as `step_semi_implicit_derivatives` does for a step without contacts: in tangent space, displacements in the
-        axes before and after the step. They follow from the implicit function theorem at the solution; where a contact opens
-        or closes, or a point begins to slide, they are one-sided.
-
-        Arguments: as of `step`.
-        Result: `StepDerivatives`.
-        """
     def simulate(
         self,
         policy: Callable[[float, NDArray[Any], NDArray[Any]], ArrayLike],
@@ -915,6 +899,21 @@ class Robot:
         Result: `StepSolution`: `q` (nq,), `qd` (nv,), `qdd` (nv,), `forces` (touching points, 3),
         `residual` a number, `iterations` a number. Several states have one more axis, the first.
         """
+    def step_derivatives(
+        self, q: ArrayLike, qd: ArrayLike, tau: ArrayLike, dt: ArrayLike, warm_start: ArrayLike | None = None, settings: StepSettings | ArrayLike | None = None, *, out: LinearizedStep | None = None
+    ) -> LinearizedStep:
+        """Returns the results of `step`, and the derivatives of the state after it: `a` with respect
+        to the state before and `b` with respect to `tau`. A state has the entries of q (in tangent
+        space), then the entries of qd. The derivatives follow from the implicit function theorem at
+        the solution; where a contact opens or closes, or a point begins to slide, they are
+        one-sided.
+
+        Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number; `warm_start`: (nv,), by
+        default zeros; `settings`: `StepSettings`, by default the result of `step_settings()`.
+        Result: `LinearizedStep`: `q` (nq,), `qd` (nv,), `qdd` (nv,), `forces` (touching points, 3),
+        `a` (2 nv, 2 nv), `b` (2 nv, nv), `residual` a number, `iterations` a number. Several states
+        have one more axis, the first.
+        """
     def actuate(
         self, q: ArrayLike, qd: ArrayLike, ctrl: ArrayLike, dt: ArrayLike, act: ArrayLike | None = None, *, out: ActuatorForces | None = None
     ) -> ActuatorForces:
@@ -942,6 +941,22 @@ class Robot:
         result of `step_settings()`.
         Result: `ActuatedStep`: `q` (nq,), `qd` (nv,), `act` (activations,), `qdd` (nv,), `forces`
         (touching points, 3), `residual` a number, `iterations` a number. Several states have one
+        more axis, the first.
+        """
+    def step_actuated_derivatives(
+        self, q: ArrayLike, qd: ArrayLike, ctrl: ArrayLike, dt: ArrayLike, act: ArrayLike | None = None, applied: ArrayLike | None = None, warm_start: ArrayLike | None = None, settings: StepSettings | ArrayLike | None = None, *, out: LinearizedActuatedStep | None = None
+    ) -> LinearizedActuatedStep:
+        """Returns the results of `step_actuated`, and the derivatives of the state after it: `a` with
+        respect to the state before and `b` with respect to `ctrl`. A state has the entries of q (in
+        tangent space), the entries of qd, then `act`. All else is as in `step_derivatives`.
+
+        Arguments: `q`: (nq,); `qd`: (nv,); `ctrl`: (controls,); `dt`: a number; `act`:
+        (activations,), which a robot without activations leaves out; `applied`: (nv,), by default
+        zeros; `warm_start`: (nv,), by default zeros; `settings`: `StepSettings`, by default the
+        result of `step_settings()`.
+        Result: `LinearizedActuatedStep`: `q` (nq,), `qd` (nv,), `act` (activations,), `qdd` (nv,),
+        `forces` (touching points, 3), `a` (2 nv + activations, 2 nv + activations), `b` (2 nv +
+        activations, controls), `residual` a number, `iterations` a number. Several states have one
         more axis, the first.
         """
     def constrained_inverse_dynamics(

@@ -30,6 +30,8 @@ __all__ = [
     "InverseDynamicsHessian",
     "InverseDynamicsJvp",
     "InverseDynamicsVjp",
+    "LinearizedActuatedStep",
+    "LinearizedStep",
     "OperationalSpaceInertia",
     "Pose",
     "Step",
@@ -318,6 +320,50 @@ class InverseDynamicsVjp(NamedTuple):
     """(nv,)"""
     dqdd: NDArray[Any]
     """(nv,)"""
+
+
+class LinearizedActuatedStep(NamedTuple):
+    """The result of `step_actuated_derivatives`."""
+
+    q: NDArray[Any]
+    """(nq,)"""
+    qd: NDArray[Any]
+    """(nv,)"""
+    act: NDArray[Any]
+    """(activations,)"""
+    qdd: NDArray[Any]
+    """(nv,)"""
+    forces: NDArray[Any]
+    """(touching points, 3)"""
+    a: NDArray[Any]
+    """(2 nv + activations, 2 nv + activations)"""
+    b: NDArray[Any]
+    """(2 nv + activations, controls)"""
+    residual: NDArray[Any]
+    """a number"""
+    iterations: NDArray[Any]
+    """a number"""
+
+
+class LinearizedStep(NamedTuple):
+    """The result of `step_derivatives`."""
+
+    q: NDArray[Any]
+    """(nq,)"""
+    qd: NDArray[Any]
+    """(nv,)"""
+    qdd: NDArray[Any]
+    """(nv,)"""
+    forces: NDArray[Any]
+    """(touching points, 3)"""
+    a: NDArray[Any]
+    """(2 nv, 2 nv)"""
+    b: NDArray[Any]
+    """(2 nv, nv)"""
+    residual: NDArray[Any]
+    """a number"""
+    iterations: NDArray[Any]
+    """a number"""
 
 
 class OperationalSpaceInertia(NamedTuple):

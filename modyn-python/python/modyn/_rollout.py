@@ -9,7 +9,7 @@ import numpy as np
 
 from ._arrays import COST, FEEDBACK, OWN, ArrayFunction, Rollout, RolloutSignature, Signature, motions
 from ._modyn import Robot
-from ._results import ActuatedStep, StepDerivatives, StepSolution
+from ._results import ActuatedStep, StepSolution
 from ._types import HeightField, QuadraticCost, RolloutCosts, RolloutGradients, RolloutStates, StepSettings
 
 Step = tuple[str, HeightField | None]
@@ -104,30 +104,6 @@ def _steps(given: Any, name: str) -> int | None:
     """Returns the length of the axis of steps of an argument; `None` if it has none."""
     shape = np.shape(given)
     return shape[-1 - _rank(name)] if len(shape) > _rank(name) else None
-
-
-def step_derivatives(robot: Robot, arguments: dict[str, Any]) -> StepDerivatives:
-    """Returns the result of `Robot.step_derivatives`."""
-    signature = Signature.of(robot, "step")
-    arrays, _ = signature.bind(tuple(arguments.values()), {})
-    given = [_array(robot, "step_derivatives", name, x) for name, x in zip(signature.names, arrays)]
-    signature.check(given)
-    if signature.parameters:
-        given.append(signature.flat(None, np.asarray, np.concatenate))
-    code = ArrayFunction(robot, "step")
-    unit = np.eye(robot.nv, dtype=robot.dtype)
-    to_rates = ArrayFunction(robot, "velocity_to_qdot").handle
-    # The rates of the coordinates under each unit velocity: rows, which are orthogonal.
-    rates = lambda q: to_rates.call([np.ascontiguousarray(q[..., None, :]), unit])[0]
-    before = np.swapaxes(rates(given[0]), -1, -2)
-    results = code.handle.call(given)
-    q, qd, *_ = results
-    after = rates(q)
-    by = code.derivative("matrix", [0, 1, 2]).handle.call(code.at_solution(given, results))
-    columns = [np.concatenate([of_q @ before, *others], -1) for of_q, *others in (by[:3], by[3:6])]
-    moved = after @ columns[0] / np.sum(after * after, -1)[..., None]
-    matrices = np.concatenate([moved, columns[1]], -2)
-    return StepDerivatives(q, qd, matrices[..., : 2 * robot.nv], matrices[..., 2 * robot.nv :])
 
 
 def simulate(

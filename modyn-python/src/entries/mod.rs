@@ -221,31 +221,6 @@ impl Robot {
         vjp.call1((slf, arguments, weights, (step, ground), trajectory, cost))
     }
 
-    /// Returns the state after a `step`, and its derivatives A with respect to the state and B with
-    /// respect to the joint forces, as `step_semi_implicit_derivatives` does for a step without
-    /// contacts: in tangent space, displacements in the axes before and after the step. They
-    /// follow from the implicit function theorem at the solution; where a contact opens or closes, or
-    /// a point begins to slide, they are one-sided.
-    ///
-    /// Arguments: as of `step`. Result: `StepDerivatives`.
-    #[pyo3(signature = (q, qd, tau, dt, warm_start=None, settings=None))]
-    #[allow(clippy::too_many_arguments)]
-    fn step_derivatives<'py>(
-        slf: &Bound<'py, Self>,
-        q: &Bound<'py, PyAny>,
-        qd: &Bound<'py, PyAny>,
-        tau: &Bound<'py, PyAny>,
-        dt: &Bound<'py, PyAny>,
-        warm_start: Option<&Bound<'py, PyAny>>,
-        settings: Option<&Bound<'py, PyAny>>,
-    ) -> PyResult<Bound<'py, PyAny>> {
-        let given = [Some(q), Some(qd), Some(tau), Some(dt), warm_start, settings];
-        let names = ["q", "qd", "tau", "dt", "warm_start", "settings"];
-        let arguments = named(slf.py(), &names, &given)?;
-        let function = slf.py().import("modyn._rollout")?.getattr("step_derivatives")?;
-        function.call1((slf, arguments))
-    }
-
     /// Returns the results of each of `steps` calls of `step` under the joint forces
     /// `policy(time, q, qd)`, which gets the time (s) and the state before each step. `modyn.show`
     /// shows the motion. A rollout without a call of Python in each step is `rollout`.
@@ -323,6 +298,11 @@ impl Robot {
         let function = named
             .filter(|function| *function != Function::Brge)
             .ok_or_else(|| PyValueError::new_err(signature::unknown(name)))?;
+        if let Function::StepDerivatives | Function::StepActuatedDerivatives = function {
+            let step = name.trim_end_matches("_derivatives");
+            let message = format!("`{name}` is no function of arrays: differentiate `{step}`");
+            return Err(PyValueError::new_err(message));
+        }
         self.check_has(function)?;
         let link = match (function.row().by_link, link.filter(|link| !link.is_none())) {
             (false, None) => None,

@@ -9,7 +9,7 @@ use pyo3::types::{PyList, PyTuple};
 
 use crate::checks::Check;
 use crate::codes::ArrayShapes;
-use crate::function::{default_settings, default_step_settings, has_zeros};
+use crate::function::{default_settings, has_zeros};
 use crate::layout::{self, Class, Layout, Leaf};
 use crate::number::Number;
 use crate::robot::Robot;
@@ -31,14 +31,12 @@ pub fn of<'py>(robot: &Robot, py: Python<'py>, function: Function) -> PyResult<B
         let default = match (argument.kind, robot.scalar()) {
             (ArgumentKind::Contacts, FloatType::F64) => array(py, vec![1.0_f64; length]),
             (ArgumentKind::Contacts, FloatType::F32) => array(py, vec![1.0_f32; length]),
-            (ArgumentKind::StepSettings, FloatType::F64) => {
-                array(py, default_step_settings::<f64>(robot.model()))
+            (kind @ (ArgumentKind::Settings | ArgumentKind::StepSettings), scalar) => {
+                match scalar {
+                    FloatType::F64 => array(py, default_settings::<f64>(kind, robot.model())),
+                    FloatType::F32 => array(py, default_settings::<f32>(kind, robot.model())),
+                }
             }
-            (ArgumentKind::StepSettings, FloatType::F32) => {
-                array(py, default_step_settings::<f32>(robot.model()))
-            }
-            (ArgumentKind::Settings, FloatType::F64) => array(py, default_settings::<f64>(length)),
-            (ArgumentKind::Settings, FloatType::F32) => array(py, default_settings::<f32>(length)),
             (ArgumentKind::Activations, _) if length > 0 => py.None().into_bound(py),
             (kind, scalar) if kind == ArgumentKind::Activations || has_zeros(argument.name) => {
                 match scalar {

@@ -4,13 +4,13 @@ use alloc::{vec, vec::Vec};
 
 use super::errors::{ShapeError, check};
 use super::{Interpreter, UduFactorization};
-use crate::equations::actuation::{ActuationWorkspace, depends_on_rate, moments};
+use crate::equations::actuation::{ActuationWorkspace, ActuatorInput, depends_on_rate, moments};
 use crate::equations::dynamics::Elimination;
 use crate::equations::soft_constraints::{
     ActuatedForces, ActuatedInput, ContactParameters, CouplingParameters, DampingMatrix,
     JointParameters, Length, LengthTerm, LoopParameters, SoftModel, SoftStep, SpringParameters,
-    StepInput, StepProblem, StopParameters, TendonParameters, TouchingPoint, couples, next_state,
-    soft_step, touching_points,
+    StepConstraints, StepDrive, StepInput, StepProblem, StopParameters, TendonParameters,
+    TouchingPoint, couples, next_state, soft_step, state_derivatives_by_newton, touching_points,
 };
 use crate::joint::JointType;
 use crate::mechanism::Mechanism;
@@ -47,6 +47,29 @@ pub struct StepSolutionOutputs<'a, S> {
     pub iterations: &'a mut S,
 }
 
+/// The derivatives of the state after a step, by columns. A state has the entries of q, in tangent
+/// space, of qd, and the activations of actuators.
+pub struct StateDerivatives<'a, S> {
+    /// With respect to the state before the step.
+    pub a: &'a mut [S],
+    /// With respect to the joint forces, or to the controls of actuators.
+    pub b: &'a mut [S],
+}
+
+impl<S: Copy> StateDerivatives<'_, S> {
+    /// Checks the lengths for states and inputs of these lengths.
+    fn check(&self, states: usize, inputs: usize) -> Result<(), ShapeError> {
+        check("a", self.a, states * states)?;
+        check("b", self.b, states * inputs)
+    }
+
+    /// Sets the columns.
+    fn fill(self, columns: Vec<Vec<S>>) {
+        let entries = columns.into_iter().flatten();
+        self.a.iter_mut().chain(self.b).zip(entries).for_each(|(out, entry)| *out = entry);
+    }
+}
+
 impl<S: Scalar> Interpreter<S> {
     /// Computes the state after a step with contacts, joint limits and dry joint friction: see
     /// [`step`](crate::Robot::step). Allocates memory at each call.
@@ -62,6 +85,78 @@ impl<S: Scalar> Interpreter<S> {
     ) -> Result<(), ShapeError> {
         let dampers = DampingMatrix::zero(input.step.qd.len());
         self.damped_step(input, &dampers, settings, outputs)
+    }
+
+    /// Computes the results of [`step`](Self::step), and the derivatives of the state after it: see
+    /// [`step_derivatives`](crate::Robot::step_derivatives). Allocates memory at each call.
+    ///
+    /// # Errors
+    ///
+    /// If a slice does not have the model's length.
+    pub fn step_derivatives(
+        &mut self,
+        input: StepInput<'_, S>,
+        settings: &StepSettings<S, impl AsRef<[ContactSurface<S>]>>,
+        outputs: StepSolutionOutputs<'_, S>,
+        derivatives: StateDerivatives<'_, S>,
+    ) -> Result<(), ShapeError> {
+        derivatives.check(2 * self.model.nv(), self.model.nv())?;
+        let StepSolutionOutputs { q, qd, qdd, forces, residual, iterations } = outputs;
+        let solution = StepSolutionOutputs { q, qd, qdd: &mut *qdd, forces, residual, iterations };
+        self.step(input, settings, solution)?;
+        let drive = StepDrive::Forces(input.step.tau);
+        let at_solution = StepInput { warm_start: qdd, ..input };
+        derivatives.fill(self.state_derivatives(at_solution, settings, |_| drive));
+        Ok(())
+    }
+
+    /// Computes the results of [`step_actuated`](Self::step_actuated), and the derivatives of the
+    /// state and the activations after it: see
+    /// [`step_actuated_derivatives`](crate::Robot::step_actuated_derivatives). Allocates memory at
+    /// each call.
+    ///
+    /// # Errors
+    ///
+    /// If a slice does not have the model's length.
+    pub fn step_actuated_derivatives(
+        &mut self,
+        input: ActuatedInput<'_, S>,
+        settings: &StepSettings<S, impl AsRef<[ContactSurface<S>]>>,
+        outputs: StepSolutionOutputs<'_, S>,
+        next_act: &mut [S],
+        derivatives: StateDerivatives<'_, S>,
+    ) -> Result<(), ShapeError> {
+        let ActuatorInput { act, ctrl, .. } = input.actuators;
+        derivatives.check(2 * self.model.nv() + act.len(), ctrl.len())?;
+        let StepSolutionOutputs { q, qd, qdd, forces, residual, iterations } = outputs;
+        let solution = StepSolutionOutputs { q, qd, qdd: &mut *qdd, forces, residual, iterations };
+        self.step_actuated(input, settings, solution, next_act)?;
+        let Self { model, mechanism, .. } = self;
+        let workspace = &mut ActuationWorkspace::new(model);
+        let tau = input.forces(model, mechanism, workspace).tau;
+        let at_solution = StepInput { warm_start: qdd, ..input.under(&tau) };
+        derivatives.fill(
+            self.state_derivatives(at_solution, settings, |model| {
+                StepDrive::Actuators(model, input)
+            }),
+        );
+        Ok(())
+    }
+
+    /// Returns the columns of the derivatives of the state after a step, whose input starts from its
+    /// solution.
+    fn state_derivatives<'a>(
+        &'a mut self,
+        input: StepInput<'_, S>,
+        settings: &StepSettings<S, impl AsRef<[ContactSurface<S>]>>,
+        drive: impl FnOnce(&'a Model) -> StepDrive<'a, S>,
+    ) -> Vec<Vec<S>> {
+        let Self { model, soft, mechanism, elimination, .. } = self;
+        let soft = &*soft.get_or_insert_with(|| SoftModel::of(model).map(S::from_f64));
+        let mechanism = &soft.mechanism(mechanism);
+        let elimination = elimination_of_steps(model, mechanism, soft, elimination);
+        let constraints = StepConstraints { soft, settings };
+        state_derivatives_by_newton(mechanism, &elimination, input, constraints, drive(model))
     }
 
     /// Computes the state after a step under the controls of the actuators, and their activations
@@ -109,12 +204,9 @@ impl<S: Scalar> Interpreter<S> {
         check("outputs.qdd", outputs.qdd, model.nv())?;
         check("outputs.forces", outputs.forces, 3 * points)?;
         let mechanism = &soft.mechanism(mechanism);
-        let whole = soft.couples_limbs().then(|| {
-            Elimination::of_steps(mechanism, &ModuleTree::links(model), soft.coupled_joints())
-        });
-        let elimination = whole.as_ref().unwrap_or(elimination);
-        let problem =
-            StepProblem::new(mechanism, elimination, input, (&*soft, settings), workspace);
+        let elimination = &elimination_of_steps(model, mechanism, soft, elimination);
+        let constraints = StepConstraints { soft: &*soft, settings };
+        let problem = StepProblem::new(mechanism, elimination, input, constraints, workspace);
         let SoftStep { motion, residual, iterations } = soft_step(problem.damped_by(dampers));
         let [q, qd] = next_state(mechanism, soft, input.step, [&motion.qdd, &motion.damped]);
         outputs.q.copy_from_slice(&q);
@@ -148,6 +240,20 @@ impl<S: Scalar> Interpreter<S> {
     /// Replaces what the robot's soft constraints have beside the settings of a step.
     pub fn set_soft_model(&mut self, soft: SoftModel<S>) {
         self.soft = Some(soft);
+    }
+}
+
+/// Returns the solver of the steps of `mechanism`; `of_dynamics` is the solver of
+/// forward dynamics.
+fn elimination_of_steps<S: Scalar>(
+    model: &Model,
+    mechanism: &Mechanism<S>,
+    soft: &SoftModel<S>,
+    of_dynamics: &Elimination,
+) -> Elimination {
+    match soft.couples_limbs() {
+        true => Elimination::of_steps(mechanism, &ModuleTree::links(model), soft.coupled_joints()),
+        false => of_dynamics.clone(),
     }
 }
 

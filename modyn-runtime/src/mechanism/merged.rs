@@ -78,7 +78,9 @@ impl<S: LaneScalar> MergedMechanism<S> {
     pub fn with_column_lanes(mut mechanism: Mechanism<S>, column_lanes: usize) -> Self {
         let constraints = core::mem::take(&mut mechanism.constraints);
         let lanes = (0..constraints.len()).map(|constraint| (constraint, 0)).collect();
-        let merged = Self::new(mechanism, Vec::new()).with_contacts(constraints, lanes);
+        let coordinates = core::mem::take(&mut mechanism.coordinates);
+        let mut merged = Self::new(mechanism, Vec::new()).with_contacts(constraints, lanes);
+        merged.mechanism.coordinates = coordinates;
         Self { column_lanes, ..merged }
     }
 

@@ -140,6 +140,8 @@ pub enum Function {
     /// starts from the accelerations `warm_start`: `qdd` of the last step, or zeros. The integrator is semi-implicit Euler,
     /// implicit in joint damping, or MuJoCo's `implicitfast`, as the description says.
     Step,
+    /// Returns the results of `step`, and the derivatives of the state after it: `a` with respect to the state before and `b` with respect to `tau`, arrays of columns. A state has the entries of q (in tangent space), then the entries of qd. The derivatives follow from the implicit function theorem at the solution; where a contact opens or closes, or a point begins to slide, they are one-sided.
+    StepDerivatives,
     /// Returns the joint forces `tau` of the actuators under the controls `ctrl`, in the order of `CONTROL_NAMES`, and the
     /// activations after the time `dt` (s), in the order of `ACTIVATION_NAMES`. The laws are MuJoCo's: controls, forces,
     /// activations and joint forces are clamped to the ranges of the description.
@@ -148,6 +150,8 @@ pub enum Function {
     /// joint forces are the result of `actuate` at the state before the step, and the forces `applied` beside it (MuJoCo's
     /// `qfrc_applied`). All else is as in `step`.
     StepActuated,
+    /// Returns the results of `step_actuated`, and the derivatives of the state after it: `a` with respect to the state before and `b` with respect to `ctrl`, arrays of columns. A state has the entries of q (in tangent space), the entries of qd, then `act`. All else is as in `step_derivatives`.
+    StepActuatedDerivatives,
     /// Returns the joint forces of the accelerations `qdd`, the wrenches of the active contacts that carry the
     /// floating bases, and the rank of the contacts' columns of the bases. The wrenches have the smallest sum
     /// of (force^2 + (moment / l)^2) / weight with the characteristic length l of each contact. The joint

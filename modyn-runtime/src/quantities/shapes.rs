@@ -194,11 +194,34 @@ pub fn step_solution(s: &Sizes) -> Shape {
     Shape::Record(Record::Each("StepSolution"), [&motion[..], &forces, &solver].concat())
 }
 
+pub fn linearized_step(s: &Sizes) -> Shape {
+    let motion = [("q", coordinates(s)), ("qd", velocities(s)), ("qdd", velocities(s))];
+    let forces = [("forces", point_forces(s))];
+    let matrices = [("a", Shape::matrix(2 * s.nv, 2 * s.nv)), ("b", Shape::matrix(s.nv, 2 * s.nv))];
+    let solver = [("residual", Shape::Scalar), ("iterations", Shape::Scalar)];
+    Shape::Record(
+        Record::Each("LinearizedStep"),
+        [&motion[..], &forces, &matrices, &solver].concat(),
+    )
+}
+
 pub fn actuated_step(s: &Sizes) -> Shape {
     let motion = [("q", coordinates(s)), ("qd", velocities(s)), ("act", activations(s))];
     let solution = [("qdd", velocities(s)), ("forces", point_forces(s))];
     let solver = [("residual", Shape::Scalar), ("iterations", Shape::Scalar)];
     Shape::Record(Record::Each("ActuatedStep"), [&motion[..], &solution, &solver].concat())
+}
+
+pub fn linearized_actuated_step(s: &Sizes) -> Shape {
+    let motion = [("q", coordinates(s)), ("qd", velocities(s)), ("act", activations(s))];
+    let solution = [("qdd", velocities(s)), ("forces", point_forces(s))];
+    let states = 2 * s.nv + s.activations;
+    let matrices = [("a", Shape::matrix(states, states)), ("b", Shape::matrix(s.controls, states))];
+    let solver = [("residual", Shape::Scalar), ("iterations", Shape::Scalar)];
+    Shape::Record(
+        Record::Each("LinearizedActuatedStep"),
+        [&motion[..], &solution, &matrices, &solver].concat(),
+    )
 }
 
 pub fn actuator_forces(s: &Sizes) -> Shape {

@@ -517,6 +517,20 @@ pub const ROWS: &[Row] = &[
         ..Row::INERTIAL
     },
     Row {
+        function: Function::StepDerivatives,
+        name: "step_derivatives",
+        known_as: &["linearization", "mjd_transitionFD"],
+        arguments: &[Q, QD, TAU, DT, WARM_START, STEP_SETTINGS],
+        result: shapes::linearized_step,
+        docs: "Returns the results of `step`, and the derivatives of the state after it: `a` with \
+            respect to the state before and `b` with respect to `tau`, arrays of columns. A state \
+            has the entries of q (in tangent space), then the entries of qd. The derivatives \
+            follow from the implicit function theorem at the solution; where a contact opens or \
+            closes, or a point begins to slide, they are one-sided.",
+        has_solver: true,
+        ..Row::INERTIAL
+    },
+    Row {
         function: Function::Actuate,
         name: "actuate",
         known_as: &["mj_fwdActuation"],
@@ -544,6 +558,20 @@ pub const ROWS: &[Row] = &[
             joint forces are the result of `actuate` at the state before the step, and the forces \
             `applied` beside it (MuJoCo's\n\
             `qfrc_applied`). All else is as in `step`.",
+        of_actuators: true,
+        has_solver: true,
+        ..Row::INERTIAL
+    },
+    Row {
+        function: Function::StepActuatedDerivatives,
+        name: "step_actuated_derivatives",
+        known_as: &["linearization", "mjd_transitionFD"],
+        arguments: &[Q, QD, CTRL, DT, ACT, APPLIED, WARM_START, STEP_SETTINGS],
+        result: shapes::linearized_actuated_step,
+        docs: "Returns the results of `step_actuated`, and the derivatives of the state after it: \
+            `a` with respect to the state before and `b` with respect to `ctrl`, arrays of \
+            columns. A state has the entries of q (in tangent space), the entries of qd, then \
+            `act`. All else is as in `step_derivatives`.",
         of_actuators: true,
         has_solver: true,
         ..Row::INERTIAL

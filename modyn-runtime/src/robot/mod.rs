@@ -16,8 +16,8 @@ use crate::results::{
     ConstrainedInverseDynamics, ConstraintProjection, ConstraintResidual, DifferenceDerivatives,
     ForwardDynamicsDerivatives, ForwardDynamicsHessian, ForwardDynamicsJvp, ForwardDynamicsVjp,
     GeneralizedForces, ImpactDynamics, IntegrateDerivatives, InverseDynamicsDerivatives,
-    InverseDynamicsHessian, InverseDynamicsJvp, InverseDynamicsVjp, OperationalSpaceInertia, Step,
-    StepDerivatives, StepHessian, StepSolution,
+    InverseDynamicsHessian, InverseDynamicsJvp, InverseDynamicsVjp, LinearizedActuatedStep,
+    LinearizedStep, OperationalSpaceInertia, Step, StepDerivatives, StepHessian, StepSolution,
 };
 use crate::spatial::{Momentum, Pose, Twist, Vector3, Wrench};
 use crate::step_settings::{ContactSurface, StepSettings};
@@ -139,6 +139,9 @@ pub trait Robot {
     /// The type of arrays with an entry for each activation, in the order of
     /// [`ACTIVATION_NAMES`](Self::ACTIVATION_NAMES).
     type PerActivation<X: Copy>: Array<X>;
+
+    /// An array with an element for each entry of a state with activations: 2 nv + activations.
+    type PerActuatedState<X: Copy>: Array<X>;
     /// The type of arrays with an entry for each constraint: for each joint that closes a loop, in
     /// the order of [`LOOP_CONSTRAINT_NAMES`](Self::LOOP_CONSTRAINT_NAMES), then for each contact.
     type PerConstraint<X: Copy>: Array<X>;
@@ -1274,6 +1277,67 @@ pub trait Robot {
         Self::step_with(&Self::Params::<T>::default(), q, qd, tau, dt, warm_start, step_settings)
     }
 
+    /// Returns the results of `step`, and the derivatives of the state after it: `a` with respect to the state before and `b` with respect to `tau`, arrays of columns. A state has the entries of q (in tangent space), then the entries of qd. The derivatives follow from the implicit function theorem at the solution; where a contact opens or closes, or a point begins to slide, they are one-sided.
+    #[doc(alias = "linearization")]
+    #[doc(alias = "mjd_transitionFD")]
+    fn step_derivatives_with<T: Scalar>(
+        params: &Self::Params<T>,
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        tau: &Self::V<T>,
+        dt: T,
+        warm_start: &Self::V<T>,
+        step_settings: &StepSettings<T, Self::PerTouchingShape<ContactSurface<T>>>,
+    ) -> LinearizedStep<
+        Self::Q<T>,
+        Self::V<T>,
+        Self::V<T>,
+        Self::PerTouchingPoint<Vector3<T>>,
+        Self::PerState<Self::PerState<T>>,
+        Self::PerVelocity<Self::PerState<T>>,
+        T,
+        T,
+    >
+    where
+        Self: functions::StepDerivatives,
+    {
+        const { not_generated() }
+    }
+
+    /// Calls [`step_derivatives_with`](Self::step_derivatives_with) with the default parameters.
+    #[doc(alias = "linearization")]
+    #[doc(alias = "mjd_transitionFD")]
+    fn step_derivatives<T: Scalar>(
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        tau: &Self::V<T>,
+        dt: T,
+        warm_start: &Self::V<T>,
+        step_settings: &StepSettings<T, Self::PerTouchingShape<ContactSurface<T>>>,
+    ) -> LinearizedStep<
+        Self::Q<T>,
+        Self::V<T>,
+        Self::V<T>,
+        Self::PerTouchingPoint<Vector3<T>>,
+        Self::PerState<Self::PerState<T>>,
+        Self::PerVelocity<Self::PerState<T>>,
+        T,
+        T,
+    >
+    where
+        Self: functions::StepDerivatives,
+    {
+        Self::step_derivatives_with(
+            &Self::Params::<T>::default(),
+            q,
+            qd,
+            tau,
+            dt,
+            warm_start,
+            step_settings,
+        )
+    }
+
     /// Returns the joint forces `tau` of the actuators under the controls `ctrl`, in the order of `CONTROL_NAMES`, and the
     /// activations after the time `dt` (s), in the order of `ACTIVATION_NAMES`. The laws are MuJoCo's: controls, forces,
     /// activations and joint forces are clamped to the ranges of the description.
@@ -1344,6 +1408,75 @@ pub trait Robot {
         Self: functions::StepActuated,
     {
         Self::step_actuated_with(
+            &Self::Params::<T>::default(),
+            q,
+            qd,
+            ctrl,
+            dt,
+            act,
+            applied,
+            warm_start,
+            step_settings,
+        )
+    }
+
+    /// Returns the results of `step_actuated`, and the derivatives of the state after it: `a` with respect to the state before and `b` with respect to `ctrl`, arrays of columns. A state has the entries of q (in tangent space), the entries of qd, then `act`. All else is as in `step_derivatives`.
+    #[doc(alias = "linearization")]
+    #[doc(alias = "mjd_transitionFD")]
+    fn step_actuated_derivatives_with<T: Scalar>(
+        params: &Self::Params<T>,
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        ctrl: &Self::PerControl<T>,
+        dt: T,
+        act: &Self::PerActivation<T>,
+        applied: &Self::V<T>,
+        warm_start: &Self::V<T>,
+        step_settings: &StepSettings<T, Self::PerTouchingShape<ContactSurface<T>>>,
+    ) -> LinearizedActuatedStep<
+        Self::Q<T>,
+        Self::V<T>,
+        Self::PerActivation<T>,
+        Self::V<T>,
+        Self::PerTouchingPoint<Vector3<T>>,
+        Self::PerActuatedState<Self::PerActuatedState<T>>,
+        Self::PerControl<Self::PerActuatedState<T>>,
+        T,
+        T,
+    >
+    where
+        Self: functions::StepActuatedDerivatives,
+    {
+        const { not_generated() }
+    }
+
+    /// Calls [`step_actuated_derivatives_with`](Self::step_actuated_derivatives_with) with the default parameters.
+    #[doc(alias = "linearization")]
+    #[doc(alias = "mjd_transitionFD")]
+    fn step_actuated_derivatives<T: Scalar>(
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        ctrl: &Self::PerControl<T>,
+        dt: T,
+        act: &Self::PerActivation<T>,
+        applied: &Self::V<T>,
+        warm_start: &Self::V<T>,
+        step_settings: &StepSettings<T, Self::PerTouchingShape<ContactSurface<T>>>,
+    ) -> LinearizedActuatedStep<
+        Self::Q<T>,
+        Self::V<T>,
+        Self::PerActivation<T>,
+        Self::V<T>,
+        Self::PerTouchingPoint<Vector3<T>>,
+        Self::PerActuatedState<Self::PerActuatedState<T>>,
+        Self::PerControl<Self::PerActuatedState<T>>,
+        T,
+        T,
+    >
+    where
+        Self: functions::StepActuatedDerivatives,
+    {
+        Self::step_actuated_derivatives_with(
             &Self::Params::<T>::default(),
             q,
             qd,

@@ -160,6 +160,18 @@ pub struct ArticulatedInertia<S> {
 }
 
 impl<S: Scalar> ArticulatedInertia<S> {
+    /// The inertia of nothing.
+    #[must_use]
+    pub fn zero() -> Self {
+        Self::from_fn(|_, _| S::zero())
+    }
+
+    /// Returns the inertia times a number.
+    #[must_use]
+    pub fn scaled(&self, factor: S) -> Self {
+        Self::from_fn(|i, j| self.entry(i, j) * factor)
+    }
+
     /// Returns the wrench of a unit acceleration in component `j` (angular x, y, z, linear x, y,
     /// z).
     #[must_use]

@@ -130,6 +130,12 @@ impl<S: Scalar> Wrench<S> {
         Self { moment: Vector3::zero(), force: Vector3::zero() }
     }
 
+    /// Returns the wrench times a number.
+    #[must_use]
+    pub fn scale(self, factor: S) -> Self {
+        Self { moment: self.moment.scale(factor), force: self.force.scale(factor) }
+    }
+
     /// Returns the six components, moment first.
     #[must_use]
     pub fn components(&self) -> [S; 6] {

@@ -30,6 +30,7 @@ fn length(n: usize) -> String {
         (SIZES.nq, "nq"),
         (SIZES.nv, "nv"),
         (2 * SIZES.nv, "2 nv"),
+        (2 * SIZES.nv + SIZES.activations, "2 nv + activations"),
         (SIZES.links, "links"),
         (10 * SIZES.moving, "10 moving links"),
         (SIZES.constraints, "constraints"),

@@ -139,6 +139,7 @@ fn array_type(element: &str, n: usize) -> String {
         (SIZES.touching_points, "PerTouchingPoint"),
         (SIZES.controls, "PerControl"),
         (SIZES.activations, "PerActivation"),
+        (2 * SIZES.nv + SIZES.activations, "PerActuatedState"),
     ];
     match (element, n) {
         ("T", n) if n == SIZES.nq => "Self::Q<T>".into(),

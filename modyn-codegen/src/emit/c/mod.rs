@@ -16,7 +16,6 @@ use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
 use modyn_runtime::model::Model;
-use modyn_runtime::{ConstraintSettings, ContactTarget, StepSettings};
 
 use super::c_types::{CType, CTypes, value};
 use super::indices::{in_header, indices, name_tables};
@@ -266,30 +265,15 @@ impl Printer {
     /// Prints the settings by the description.
     fn default_settings(&mut self, kind: ArgumentKind, shape: &Shape, model: &Model) {
         self.header += &self.types.definitions(shape);
-        let single = self.float == FloatType::F32;
-        let (name, docs, numbers) = match kind {
-            ArgumentKind::StepSettings => {
-                let mut settings = model.step_settings();
-                if single {
-                    settings.tolerance = StepSettings::<f32>::DEFAULT.tolerance.into();
-                }
-                ("step", "The settings of steps by the description.", settings.all_numbers())
-            }
-            _ => {
-                let settings = match single {
-                    true => ConstraintSettings::<f32>::DEFAULT.numbers().map(f64::from),
-                    false => ConstraintSettings::<f64>::DEFAULT.numbers(),
-                };
-                let targets = ContactTarget::<f64>::GROUND.numbers().repeat(model.contacts().len());
-                let docs =
-                    "The default settings of constraints: rigid contacts with the plane z = 0.";
-                ("constraint", docs, [settings.to_vec(), targets].concat())
-            }
-        };
+        let name = if kind == ArgumentKind::Settings { "constraint" } else { "step" };
+        let numbers = self.float.default_settings(kind, model).unwrap_or_default();
         let mut numbers = numbers.into_iter().map(|x| literal(x, self.float));
         let variable = format!("{}_default_{name}_settings", self.prefix);
         let settings = self.types.variable(&variable, shape);
-        let _ = writeln!(self.header, "/* {docs} */\nextern const {settings};\n");
+        let _ = writeln!(
+            self.header,
+            "/* The settings of {name}s by default, for the ground of the description. */\nextern const {settings};\n"
+        );
         let _ = writeln!(self.source, "const {settings} = {};\n", value(shape, &mut numbers));
     }
 

@@ -75,6 +75,7 @@ impl Robot<'_> {
              type PerTouchingPoint<X: ::core::marker::Copy> = [X; {points}];\n\
              type PerControl<X: ::core::marker::Copy> = [X; {controls}];\n\
              type PerActivation<X: ::core::marker::Copy> = [X; {activations}];\n\
+             type PerActuatedState<X: ::core::marker::Copy> = [X; {states}];\n\
              type PerConstraint<X: ::core::marker::Copy> = [X; {constraints}];\n\
              type PerConstraintRow<X: ::core::marker::Copy> = [X; {rows}];\n\
              type Regressor<T: __modyn::Scalar> = [[T; {nv}]; {columns}];\n\
@@ -86,6 +87,7 @@ impl Robot<'_> {
             points = sizes.touching_points,
             controls = sizes.controls,
             activations = sizes.activations,
+            states = 2 * sizes.nv + sizes.activations,
             rows = self.model.constraint_rows(),
             columns = PARAMETERS_PER_LINK * self.model.links().len(),
         );

@@ -82,7 +82,7 @@ impl RowLanes {
 
 /// Returns the pack of a number for each of these indices; the number itself, without memory, for
 /// one index.
-pub(super) fn packed<S: Scalar, T: BodyTree<S>>(
+pub(in crate::equations) fn packed<S: Scalar, T: BodyTree<S>>(
     tree: &T,
     indices: Range<usize>,
     number: impl Fn(usize) -> S,

@@ -63,7 +63,7 @@ mod full_rank;
 mod impulse;
 mod inverse_dynamics;
 mod jacobian;
-mod lanes;
+pub(in crate::equations) mod lanes;
 mod loop_derivatives;
 mod operational_space_inertia;
 mod path;

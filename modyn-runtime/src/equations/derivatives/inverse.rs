@@ -1,13 +1,16 @@
 //! Derivatives of inverse dynamics.
 
+use alloc::vec;
+
 use super::composite::{accumulate_composites, accumulate_wrenches};
 use super::perturbation::{perturbations_by_coordinates, perturbations_by_rates};
 use super::projection::{Variable, project};
 use crate::Scalar;
 use crate::equations::dynamics::gravity_compensation::add_compensation_derivatives;
 use crate::equations::dynamics::newton_euler::{Accelerations, link_wrenches};
-use crate::equations::{Motion, Workspace};
+use crate::equations::{Motion, State, Workspace};
 use crate::mechanism::{BodyTree, Mechanism};
+use crate::spatial::Vector3;
 
 /// Computes the derivatives d tau / d q and d tau / d qd of
 /// [`inverse_dynamics`](crate::equations::dynamics::inverse_dynamics): nv x nv matrices, stored by
@@ -22,7 +25,8 @@ pub fn inverse_dynamics_derivatives<S: Scalar, T: BodyTree<S>>(
     dtau_dq: &mut [S],
     dtau_dqd: &mut [S],
 ) {
-    differentiate(tree, motion, workspace, dtau_dq, dtau_dqd, None);
+    let accelerations = Accelerations::Given(motion.qdd);
+    differentiate(tree, motion.state(), accelerations, workspace, [dtau_dq, dtau_dqd], None);
 }
 
 /// Computes the derivatives of [`inverse_dynamics_derivatives`], and that by qdd, the mass matrix.
@@ -34,26 +38,61 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix<S: Scalar, T: BodyTree<S>>(
     dtau_dqd: &mut [S],
     dtau_dqdd: &mut [S],
 ) {
-    differentiate(tree, motion, workspace, dtau_dq, dtau_dqd, Some(dtau_dqdd));
+    let accelerations = Accelerations::Given(motion.qdd);
+    let columns = [dtau_dq, dtau_dqd];
+    differentiate(tree, motion.state(), accelerations, workspace, columns, Some(dtau_dqdd));
+}
+
+/// Computes the derivatives of [`inverse_dynamics_derivatives_and_mass_matrix`] by the accelerations
+/// `motion.qdd`, whose linear entries of floating bases are relative to free fall. The position, the
+/// attitude and the linear velocity of such a base have no effect.
+pub(in crate::equations) fn derivatives_against_fall<S: Scalar, T: BodyTree<S>>(
+    tree: &T,
+    motion: Motion<'_, S>,
+    workspace: &mut Workspace<S>,
+    dtau_dq: &mut [S],
+    dtau_dqd: &mut [S],
+    dtau_dqdd: &mut [S],
+) {
+    let accelerations = Accelerations::AgainstFall(motion.qdd);
+    let columns = [dtau_dq, dtau_dqd];
+    differentiate(tree, motion.state(), accelerations, workspace, columns, Some(dtau_dqdd));
+}
+
+/// Computes the derivatives of the product of the mass matrix and the accelerations `qdd` with respect
+/// to q, by columns. Expects the joint transforms and the composite inertias at q.
+pub(in crate::equations) fn mass_matrix_derivatives<S: Scalar>(
+    model: &Mechanism<S>,
+    qdd: &[S],
+    workspace: &mut Workspace<S>,
+    by_q: &mut [S],
+) {
+    let weightless = &Mechanism { gravity: Vector3::zero(), ..model.clone() };
+    let at_rest = vec![S::zero(); model.nv];
+    link_wrenches(weightless, &at_rest, Accelerations::AgainstFall(qdd), workspace);
+    accumulate_wrenches(weightless, |_| None, workspace);
+    perturbations_by_coordinates(weightless, &at_rest, true, workspace);
+    project(weightless, Variable::Coordinates, workspace, by_q, None);
 }
 
 /// Computes the derivatives, and the mass matrix if it is wanted, which comes from the same sweep.
 fn differentiate<S: Scalar, T: BodyTree<S>>(
     tree: &T,
-    Motion { q, qd, qdd }: Motion<'_, S>,
+    State { q, qd }: State<'_, S>,
+    accelerations: Accelerations<'_, S>,
     workspace: &mut Workspace<S>,
-    dtau_dq: &mut [S],
-    dtau_dqd: &mut [S],
+    [dtau_dq, dtau_dqd]: [&mut [S]; 2],
     mass_matrix: Option<&mut [S]>,
 ) {
     let model = tree.mechanism();
+    let falling = matches!(accelerations, Accelerations::AgainstFall(_));
     workspace.move_with_forces(tree, q, Some(qd));
-    link_wrenches(tree, qd, Accelerations::Given(qdd), workspace);
+    link_wrenches(tree, qd, accelerations, workspace);
     accumulate_composites(tree, qd, workspace);
     accumulate_wrenches(tree, |_| None, workspace);
-    perturbations_by_coordinates(tree, qd, false, workspace);
+    perturbations_by_coordinates(tree, qd, falling, workspace);
     project(tree, Variable::Coordinates, workspace, dtau_dq, None);
-    perturbations_by_rates(tree, qd, false, workspace);
+    perturbations_by_rates(tree, qd, falling, workspace);
     project(tree, Variable::Rates, workspace, dtau_dqd, mass_matrix);
     add_dissipation(model, qd, dtau_dqd);
     add_passive(model, q, workspace, dtau_dq);

@@ -116,6 +116,27 @@ pub fn velocity_to_qdot<S: Scalar>(model: &Mechanism<S>, q: &[S], qd: &[S], out:
     }
 }
 
+/// Computes the velocities at which the coordinates `q` have the rates `qdot`, nv entries: the inverse
+/// of [`velocity_to_qdot`].
+pub fn qdot_to_velocity<S: Scalar>(model: &Mechanism<S>, q: &[S], qdot: &[S], out: &mut [S]) {
+    // q* dq is half of the angular velocity.
+    let angular = |at: usize| {
+        let [x, y, z, _] = rotation(q, at).conjugate().times(rotation(qdot, at)).components();
+        Vector3([x, y, z]).scale(S::from_f64(2.0))
+    };
+    for block in &model.coordinates {
+        match block.space {
+            CoordinateSpace::Line { .. } => out[block.v] = qdot[block.q],
+            CoordinateSpace::Rotation => write_vector(angular(block.q), out, block.v),
+            CoordinateSpace::Pose => {
+                let back = rotation(q, block.q + 3).conjugate();
+                write_vector(back.rotate(vector(qdot, block.q)), out, block.v);
+                write_vector(angular(block.q + 3), out, block.v + 3);
+            }
+        }
+    }
+}
+
 /// Scales the quaternions in `q` to length 1. A quaternion of length 0 becomes the identity.
 pub fn normalize<S: Scalar>(model: &Mechanism<S>, q: &mut [S]) {
     for at in model.coordinates.iter().filter_map(quaternion) {

@@ -105,6 +105,14 @@ impl<S: Scalar> DampingMatrix<S> {
         self.diagonal.iter().all(Option::is_none) && self.coupled.is_empty()
     }
 
+    /// Returns the matrix with `f` applied to its entries.
+    pub(super) fn map<T>(&self, f: impl Fn(S) -> T) -> DampingMatrix<T> {
+        DampingMatrix {
+            diagonal: self.diagonal.iter().map(|entry| entry.map(&f)).collect(),
+            coupled: self.coupled.iter().map(|&(places, entry)| (places, f(entry))).collect(),
+        }
+    }
+
     /// Returns the matrix times a number.
     pub(super) fn scaled(&self, factor: S) -> Self {
         Self {

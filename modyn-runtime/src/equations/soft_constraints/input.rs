@@ -1,5 +1,7 @@
 //! The input of a step with soft constraints.
 
+use super::rows::SoftModel;
+use crate::StepSettings;
 use crate::equations::TimeStepInput;
 
 /// The input of a time step, and the start of the solver.
@@ -10,3 +12,20 @@ pub struct StepInput<'a, S> {
     /// The accelerations from which the solver starts: zeros, or the accelerations of the last step.
     pub warm_start: &'a [S],
 }
+
+/// The constraints of a step: what they have by the robot, and the settings.
+#[derive(Debug)]
+pub struct StepConstraints<'a, S, C> {
+    /// What the constraints have by the robot.
+    pub soft: &'a SoftModel<S>,
+    /// The settings, with a surface for each shape that touches the ground.
+    pub settings: &'a StepSettings<S, C>,
+}
+
+impl<S, C> Clone for StepConstraints<'_, S, C> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<S, C> Copy for StepConstraints<'_, S, C> {}

@@ -5,7 +5,7 @@ use alloc::{vec, vec::Vec};
 use super::damping::DampingMatrix;
 use super::dense::DenseProblem;
 use super::free_bodies::{move_free_bodies, turning};
-use super::input::StepInput;
+use super::input::{StepConstraints, StepInput};
 use super::lengths::RowEntry;
 use super::loops::LoopRows;
 use super::responses::{Effect, ImplicitDampers, Laws};
@@ -18,8 +18,8 @@ use crate::equations::kinematics::links::compute_body_poses;
 use crate::equations::{TimeStepInput, Workspace};
 use crate::mechanism::{BodyTree, Mechanism};
 use crate::scalar::at_most;
-use crate::spatial::{Matrix3, Pose, Vector3, Wrench};
-use crate::{ContactSurface, Scalar, StepSettings};
+use crate::spatial::{Matrix3, Pose, Twist, Vector3, Wrench};
+use crate::{ContactSurface, Scalar};
 
 /// The accelerations in a step, and the forces.
 #[derive(Clone, Debug, PartialEq)]
@@ -73,24 +73,26 @@ pub struct Iterate<S> {
 
 /// A step at a state.
 pub struct StepProblem<'a, S, T> {
-    tree: &'a T,
+    pub(super) tree: &'a T,
     elimination: &'a Elimination,
     /// For robots that the factors of a matrix solve.
     dense: Option<DenseProblem<S>>,
-    input: StepInput<'a, S>,
+    pub(super) input: StepInput<'a, S>,
     /// The joint forces, with the forces of springs and dampers of tendons.
     tau: Vec<S>,
-    workspace: &'a mut Workspace<S>,
+    pub(super) workspace: &'a mut Workspace<S>,
     /// The wrenches of the bodies at zero joint accelerations.
     bias: Vec<Wrench<S>>,
-    contacts: Vec<ContactRows<S>>,
+    pub(super) contacts: Vec<ContactRows<S>>,
     /// The rows of joints, tendons and couplings.
-    single_rows: Vec<SingleRow<S>>,
+    pub(super) single_rows: Vec<SingleRow<S>>,
     loops: Vec<LoopRows<S>>,
+    /// The states of the bodies.
+    pub(super) states: Vec<BodyState<S>>,
     /// The number of lanes of each row.
     lanes: Vec<usize>,
     /// The dampers that act with the velocities after the step.
-    damping: DampingMatrix<S>,
+    pub(super) damping: DampingMatrix<S>,
     /// The factor of all weights that makes the stiffest row soft.
     pub(super) softening: S,
     /// The largest residual at which the solver ends.
@@ -98,9 +100,9 @@ pub struct StepProblem<'a, S, T> {
     /// The unit of residuals, N.
     pub(super) weight: S,
     /// The accelerations of floating bases in free fall, zero for other joints.
-    fall: Vec<S>,
+    pub(super) fall: Vec<S>,
     /// The joint accelerations, those of floating bases relative to free fall.
-    accelerations: Vec<S>,
+    pub(super) accelerations: Vec<S>,
 }
 
 impl<'a, S: Scalar, T: BodyTree<S>> StepProblem<'a, S, T> {
@@ -109,9 +111,10 @@ impl<'a, S: Scalar, T: BodyTree<S>> StepProblem<'a, S, T> {
         tree: &'a T,
         elimination: &'a Elimination,
         input: StepInput<'a, S>,
-        (soft, settings): (&SoftModel<S>, &StepSettings<S, impl AsRef<[ContactSurface<S>]>>),
+        constraints: StepConstraints<'_, S, impl AsRef<[ContactSurface<S>]>>,
         workspace: &'a mut Workspace<S>,
     ) -> Self {
+        let StepConstraints { soft, settings } = constraints;
         let model = tree.mechanism();
         let surfaces = settings.contacts.as_ref();
         let step = input.step;
@@ -140,17 +143,18 @@ impl<'a, S: Scalar, T: BodyTree<S>> StepProblem<'a, S, T> {
             falls[i] = body.parent.map_or_else(|| is_base(model, i), |parent| falls[parent]);
         }
         let options = ContactOptions { cone: soft.cone, ratio: settings.impratio, dt };
-        let contacts = soft.contacts.iter().zip(surfaces).flat_map(|(parameters, surface)| {
-            let body = parameters.body;
-            let state = BodyState {
+        let states: Vec<BodyState<S>> = (0..model.bodies.len())
+            .map(|body| BodyState {
                 pose: poses[body],
                 velocity: workspace.twists[body],
                 fall: match falls[body] {
                     true => Matrix3(poses[body].rotation).transposed().mul_vector(model.gravity),
                     false => Vector3::zero(),
                 },
-            };
-            ContactRows::of_shape(parameters, &state, surface, options)
+            })
+            .collect();
+        let contacts = soft.contacts.iter().zip(surfaces).flat_map(|(parameters, surface)| {
+            ContactRows::of_shape(parameters, &states[parameters.body], surface, options)
         });
         let mut contacts: Vec<ContactRows<S>> = contacts.collect();
         // The laws have the accelerations in the world; bases in free fall have no other ones.
@@ -188,6 +192,7 @@ impl<'a, S: Scalar, T: BodyTree<S>> StepProblem<'a, S, T> {
             contacts,
             single_rows,
             loops,
+            states,
             lanes,
             damping: DampingMatrix::of_step(soft, model),
             softening: S::one(),
@@ -252,7 +257,8 @@ impl<'a, S: Scalar, T: BodyTree<S>> StepProblem<'a, S, T> {
         self.reduce(weights, |a, b| a + b)
     }
 
-    /// Returns the first iterate: the accelerations of the rows at `input.warm_start`, with forces that only the first full step overwrites.
+    /// Returns the first iterate: the accelerations of the rows at `input.warm_start`, with forces
+    /// that the first full step overwrites.
     pub fn first(&mut self) -> Iterate<S> {
         let warm_start = self.input.warm_start.iter().zip(&self.fall);
         let accelerations: Vec<S> = warm_start.map(|(&rate, &fall)| rate - fall).collect();
@@ -330,7 +336,13 @@ impl<'a, S: Scalar, T: BodyTree<S>> StepProblem<'a, S, T> {
         contacts.chain(single_rows).chain(loops).collect()
     }
 
-    /// Computes the joint accelerations, relative to free fall, under these forces of the rows, and the accelerations of the bodies.
+    /// Returns the acceleration of a body by the joints in the last iterate, relative to free fall.
+    pub(super) fn acceleration_of(&self, body: usize) -> Twist<S> {
+        self.workspace.twists[body]
+    }
+
+    /// Computes the joint accelerations, relative to free fall, under these forces of the rows, and
+    /// the accelerations of the bodies.
     fn accelerate(&mut self, forces: &[S], effect: Effect<'_, S>) {
         let partition = match (self.elimination, &self.dense) {
             (Elimination::Recursive(partition), _) => partition,

@@ -9,6 +9,7 @@ use super::stops::StopParameters;
 use crate::equations::Workspace;
 use crate::mechanism::{BodyTree, Mechanism};
 use crate::model::{Cone, ContactComponents, ContactShape, Impedance, Integrator, Softness};
+use crate::scalar::Tangent;
 use crate::spatial::{ArticulatedInertia, Matrix3, Pose, Symmetric3, Twist, Vector3, Wrench};
 use crate::{ContactSurface, Scalar};
 
@@ -94,6 +95,8 @@ pub(super) struct ContactRows<S> {
     along_tangent: Option<[S; 2]>,
     /// The law of the accelerations, those of floating bases relative to free fall.
     pub law: ContactLaw<S>,
+    /// The damping of the reference accelerations, 1/s.
+    pub damping: S,
 }
 
 /// The settings of all contacts of a step.
@@ -107,6 +110,7 @@ pub(super) struct ContactOptions<S> {
 }
 
 /// The state of a body.
+#[derive(Clone)]
 pub(super) struct BodyState<S> {
     /// The pose in the world.
     pub pose: Pose<S>,
@@ -114,6 +118,30 @@ pub(super) struct BodyState<S> {
     pub velocity: Twist<S>,
     /// The linear acceleration in free fall, in the body's axes; zero for a body on a fixed base.
     pub fall: Vector3<S>,
+}
+
+impl<S: Scalar> BodyState<S> {
+    /// Returns the state with the derivatives by a displacement of the body's origin. The velocity is
+    /// constant in the body's axes.
+    pub(super) fn displaced(&self, displacement: Twist<S>) -> BodyState<Tangent<S>> {
+        let Twist { angular: turn, linear: moved } = displacement;
+        let varies = |x: S, dx: S| Tangent { x, dx };
+        let vector = |x: Vector3<S>, dx: Vector3<S>| {
+            Vector3(core::array::from_fn(|k| varies(x.0[k], dx.0[k])))
+        };
+        let rotation = Matrix3(self.pose.rotation);
+        let turned = rotation.times(&Matrix3::cross(turn)).0;
+        let entry = |i: usize, j: usize| varies(self.pose.rotation[i][j], turned[i][j]);
+        let translation = Vector3(self.pose.translation);
+        BodyState {
+            pose: Pose {
+                rotation: core::array::from_fn(|i| core::array::from_fn(|j| entry(i, j))),
+                translation: vector(translation, rotation.mul_vector(moved)).0,
+            },
+            velocity: Twist::from_components(self.velocity.components().map(Tangent::constant)),
+            fall: vector(self.fall, self.fall.cross(turn)),
+        }
+    }
 }
 
 impl<S: Scalar> ContactRows<S> {
@@ -188,7 +216,8 @@ impl<S: Scalar> ContactRows<S> {
             weight: violation.select_nonnegative(S::zero(), row.weight),
             reference: reference.map(|(reference, fall)| reference - fall).take(count).collect(),
         };
-        Self { body: parameters.body, place, gap, axes, along_tangent, law }
+        let damping = -softness.damped(S::one(), options.dt);
+        Self { body: parameters.body, place, gap, axes, along_tangent, law, damping }
     }
 
     /// Returns the number of rows.
@@ -209,14 +238,18 @@ impl<S: Scalar> ContactRows<S> {
 
     /// Returns the wrench of the forces of the rows at the body's origin.
     pub(super) fn wrench(&self, forces: &[S]) -> Wrench<S> {
-        let force = self.axes.mul_vector(three(forces));
-        let moment = self.place.cross(force);
-        match forces.get(3..) {
-            Some(moments) if !moments.is_empty() => {
-                Wrench { moment: moment + self.axes.mul_vector(three(moments)), force }
-            }
-            _ => Wrench { moment, force },
-        }
+        let Wrench { moment, force } = self.wrench_at_place(forces);
+        let lever = self.place.cross(force);
+        Wrench { moment: if self.count() > 3 { lever + moment } else { lever }, force }
+    }
+
+    /// Returns the wrench of the forces of the rows at the contact's place.
+    pub(super) fn wrench_at_place(&self, forces: &[S]) -> Wrench<S> {
+        let moment = match forces.get(3..) {
+            Some(moments) if !moments.is_empty() => self.axes.mul_vector(three(moments)),
+            _ => Vector3::zero(),
+        };
+        Wrench { moment, force: self.axes.mul_vector(three(forces)) }
     }
 
     /// Returns the force along the x and y axes of the plane, then along the normal.
@@ -228,8 +261,18 @@ impl<S: Scalar> ContactRows<S> {
         }
     }
 
+    /// Returns the normal of the plane in the body's axes.
+    pub(super) fn normal(&self) -> Vector3<S> {
+        self.axes.column(0)
+    }
+
     /// Returns the inertia that a stiffness adds to the body.
     pub(super) fn inertia(&self, response: &Response<S>) -> ArticulatedInertia<S> {
+        self.inertia_at_place(response).shifted(self.place)
+    }
+
+    /// Returns the inertia that a stiffness adds to the body, about the contact's place.
+    pub(super) fn inertia_at_place(&self, response: &Response<S>) -> ArticulatedInertia<S> {
         let entry = |i: usize, j: usize| {
             let row = response.stiffness.get(i);
             row.and_then(|row| row.get(j)).copied().unwrap_or_else(S::zero)
@@ -240,12 +283,11 @@ impl<S: Scalar> ContactRows<S> {
         };
         let symmetric = |m: Matrix3<S>| Symmetric3::from_fn(|i, j| m.0[i][j]);
         let turns = self.count() > 3;
-        let at_place = ArticulatedInertia {
+        ArticulatedInertia {
             rotational: if turns { symmetric(block(3, 3)) } else { Symmetric3::zero() },
             coupling: if turns { block(3, 0) } else { Matrix3::zero() },
             translational: symmetric(block(0, 0)),
-        };
-        at_place.shifted(self.place)
+        }
     }
 }
 

@@ -100,6 +100,24 @@ fn stop_rows<S: Scalar>(
     }
 }
 
+/// Returns the force of the limits and of the dry friction of a joint along its coordinate, at this
+/// coordinate, velocity and acceleration.
+pub(super) fn stop_force<S: Scalar>(
+    parameters: &StopParameters<S>,
+    [length, rate, acceleration]: [S; 3],
+    dt: S,
+) -> S {
+    let joint = LengthState { length, rate, entries: vec![RowEntry { dof: 0, factor: S::one() }] };
+    let mut rows = Vec::new();
+    stop_rows(&joint, parameters, dt, &mut rows);
+    let mut force = [S::zero()];
+    for row in rows {
+        let [along_row, _] = row.response(row.acceleration(&[acceleration]));
+        row.add_force(along_row, &mut force);
+    }
+    force[0]
+}
+
 /// Returns the row of a coupling.
 fn coupling_row<S: Scalar>(
     coupling: &CouplingParameters<S>,

@@ -227,11 +227,15 @@ fn compute<S: Scalar>(
             records::impact_dynamics(robot, given, parts(shape, out))
         }
         F::Step => records::step(robot, given, parts(shape, out))?,
+        F::StepDerivatives => records::step_derivatives(robot, given, parts(shape, out))?,
         F::Actuate | F::ActuateBatch => {
             let [tau, act] = parts(shape, out);
             robot.actuate(given.actuator_input(), ActuatorOutputs { tau, act })?;
         }
         F::StepActuated => records::step_actuated(robot, given, parts(shape, out))?,
+        F::StepActuatedDerivatives => {
+            records::step_actuated_derivatives(robot, given, parts(shape, out))?;
+        }
         F::ConstrainedInverseDynamics | F::ConstrainedInverseDynamicsBatch => {
             records::constrained_inverse_dynamics(robot, given, parts(shape, out))
         }

@@ -11,7 +11,8 @@ use crate::equations::constraints::{
 use crate::equations::derivatives::CentroidalOutputs;
 use crate::equations::soft_constraints::ActuatedInput;
 use crate::interpreter::{
-    ConstrainedDerivatives, ConstrainedHessianOutputs, Interpreter, ShapeError, StepSolutionOutputs,
+    ConstrainedDerivatives, ConstrainedHessianOutputs, Interpreter, ShapeError, StateDerivatives,
+    StepSolutionOutputs,
 };
 use crate::spatial::Momentum;
 
@@ -176,6 +177,37 @@ pub(super) fn step<S: Scalar>(
     robot.step(given.step_input(), &given.step_settings(), outputs)
 }
 
+pub(super) fn step_derivatives<S: Scalar>(
+    robot: &mut Interpreter<S>,
+    given: &Given<'_, S>,
+    [q, qd, qdd, forces, a, b, residual, iterations]: [&mut [S]; 8],
+) -> Result<(), ShapeError> {
+    let [residual, iterations] = [residual, iterations].map(|number| &mut number[0]);
+    let outputs = StepSolutionOutputs { q, qd, qdd, forces, residual, iterations };
+    let derivatives = StateDerivatives { a, b };
+    robot.step_derivatives(given.step_input(), &given.step_settings(), outputs, derivatives)
+}
+
+pub(super) fn step_actuated_derivatives<S: Scalar>(
+    robot: &mut Interpreter<S>,
+    given: &Given<'_, S>,
+    [q, qd, act, qdd, forces, a, b, residual, iterations]: [&mut [S]; 9],
+) -> Result<(), ShapeError> {
+    let [residual, iterations] = [residual, iterations].map(|number| &mut number[0]);
+    let outputs = StepSolutionOutputs { q, qd, qdd, forces, residual, iterations };
+    let derivatives = StateDerivatives { a, b };
+    let input = actuated_input(given);
+    robot.step_actuated_derivatives(input, &given.step_settings(), outputs, act, derivatives)
+}
+
+fn actuated_input<'a, S: Scalar>(given: &'a Given<'a, S>) -> ActuatedInput<'a, S> {
+    ActuatedInput {
+        actuators: given.actuator_input(),
+        applied: &given[APPLIED],
+        warm_start: &given[WARM_START],
+    }
+}
+
 pub(super) fn step_actuated<S: Scalar>(
     robot: &mut Interpreter<S>,
     given: &Given<'_, S>,
@@ -183,8 +215,5 @@ pub(super) fn step_actuated<S: Scalar>(
 ) -> Result<(), ShapeError> {
     let [residual, iterations] = [residual, iterations].map(|number| &mut number[0]);
     let outputs = StepSolutionOutputs { q, qd, qdd, forces, residual, iterations };
-    let actuators = given.actuator_input();
-    let input =
-        ActuatedInput { actuators, applied: &given[APPLIED], warm_start: &given[WARM_START] };
-    robot.step_actuated(input, &given.step_settings(), outputs, act)
+    robot.step_actuated(actuated_input(given), &given.step_settings(), outputs, act)
 }
