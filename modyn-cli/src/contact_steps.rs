@@ -9,7 +9,7 @@ use modyn_runtime::equations::soft_constraints::{
     ActuatedInput, SoftModel, StepInput, TouchingPoint,
 };
 use modyn_runtime::joint::JointType;
-use modyn_runtime::model::{Impedance, Model, Softness};
+use modyn_runtime::model::{Impedance, Keyframe, Model, Softness};
 use modyn_runtime::{
     ActuatorOutputs, ContactSurface, Interpreter, ShapeError, StepSettings, StepSolutionOutputs,
 };
@@ -46,7 +46,7 @@ pub struct Options {
     pub ground: Ground,
     /// What joint limits do.
     pub limits: Limits,
-    /// Whether the actuators act, with controls that are zero.
+    /// Whether the actuators act.
     pub actuators: bool,
 }
 
@@ -96,14 +96,15 @@ pub struct ContactSteps {
     actuators: Option<Actuators>,
 }
 
-/// The actuators of a robot, whose controls are zero, as MuJoCo starts.
+/// The actuators of a robot.
 struct Actuators {
     ctrl: Vec<f64>,
     act: Vec<f64>,
 }
 
 impl Actuators {
-    /// Returns the actuators of a model if they act; `None` if it has none.
+    /// Returns the actuators of a model if they act, with controls and activations that are zero, as
+    /// MuJoCo starts; `None` if it has none.
     fn of(model: &Model, options: Options) -> Option<Self> {
         let [controls, activations] = [model.control_names().len(), model.activation_names().len()];
         let acts = options.actuators && controls > 0;
@@ -193,6 +194,17 @@ impl ContactSteps {
         let efforts = joints.filter_map(effort).collect();
         let actuators = Actuators::of(model, options);
         Self { interpreter, settings, efforts, qdd: vec![0.0; model.nv()], actuators }
+    }
+
+    /// Returns the steps with the controls and the activations of a keyframe.
+    #[must_use]
+    pub fn from_keyframe(mut self, keyframe: &Keyframe) -> Self {
+        if let Some(Actuators { ctrl, act }) = &mut self.actuators {
+            // An empty list stands for zeros.
+            ctrl.iter_mut().zip(&keyframe.ctrl).for_each(|(x, given)| *x = *given);
+            act.iter_mut().zip(&keyframe.act).for_each(|(x, given)| *x = *given);
+        }
+        self
     }
 
     /// Reduces joint forces to the effort limits.

@@ -481,6 +481,43 @@ fn actuators_of_a_scene_have_zero_controls() {
     assert!(free > 0.1 && held < 0.05, "{free} {held}");
 }
 
+/// The motion starts in the keyframe that the user names, whose controls are held. The step is the MJCF's time step.
+#[test]
+fn a_scene_starts_in_a_keyframe() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
+    let rest = r#"<actuator><position joint="hinge" kp="4000" kv="400"/></actuator><keyframe>
+        <key name="home" qpos="0.5 0 0.9 1 0 0 0 0.1" qvel="0 2 0 0 0 0 0" ctrl="0.2"/>
+        <key name="still"/></keyframe></mujoco>"#;
+    // The servo holds the joint in the air and on the ground.
+    let option = r#"<option timestep="0.005" integrator="implicitfast"/><worldbody>"#;
+    let text = SCENE.replace("<worldbody>", option).replace("</mujoco>", rest);
+    let airborne = text.replace(r#"<geom type="plane" size="0 0 1" pos="0 0 0.2"/>"#, "");
+    assert!(airborne.len() < text.len());
+    for (text, is_airborne) in [(text, false), (airborne, true)] {
+        std::fs::write(path("scene.xml"), text).expect("written");
+        let run = |more: &[&str]| {
+            let arguments = ["simulate", &path("scene.xml"), "--time", "0.5", "--every", "0.1"];
+            modyn(&[&arguments[..], more].concat())
+        };
+        let motion = run(&["--key", "home"]);
+        assert_eq!(motion.code, 0, "{}", motion.err);
+        assert!(motion.err.contains("0.5 s in 100 steps"), "{}", motion.err);
+        let (head, rows) = table(&motion.out);
+        let number = |row: usize, name: &str| rows[row][column(&head, name)];
+        let [start, end] = [0, rows.len() - 1];
+        assert!((number(start, "free.x (m)") - 0.5).abs() < 1e-12, "{rows:?}");
+        assert!((number(start, "hinge (rad)") - 0.1).abs() < 1e-12, "{rows:?}");
+        assert!((number(end, "hinge (rad)") - 0.2).abs() < 0.02, "{rows:?}");
+        assert!(number(end, "free.y (m)") > 0.5, "{rows:?}");
+        assert_eq!(number(end, "free.z (m)") < -0.1, is_airborne, "{rows:?}");
+        let named = run(&["--key", "house"]);
+        assert!(named.code == 2 && named.err.contains("there are: home, still"), "{}", named.err);
+    }
+    let none = modyn(&["simulate", "robots/arm7.urdf", "--key", "home"]);
+    assert!(none.code == 2 && none.err.contains("`--q` and `--qd`"), "{}", none.err);
+}
+
 /// The shapes of an MJCF touch its floor, and its joint limits act, without an option.
 #[test]
 fn a_scene_moves_on_its_floor() {

@@ -94,20 +94,27 @@ fn parents_of_links_are_the_moving_links_that_carry_them() {
 /// The type of a robot has a constant for each keyframe, and the embedded model has them.
 #[test]
 fn keyframes_are_constants() {
-    let text = r#"<mujoco model="m"><worldbody><body><joint/><geom size="1"/></body></worldbody><keyframe>
-        <key name="home" qpos="0.5"/><key name="Home" qpos="1"/><key name="neutral"/><key name="to the left" qpos="2"/>
+    let text = r#"<mujoco model="m"><option timestep="0.004"/>
+        <worldbody><body><joint name="j"/><geom size="1"/></body></worldbody>
+        <actuator><motor joint="j"/></actuator><keyframe>
+        <key name="home" qpos="0.5" qvel="0.25" ctrl="3"/><key name="Home" qpos="1"/><key name="neutral"/>
+        <key name="to the left" qpos="2"/>
         <key name="limits" qpos="3"/></keyframe></mujoco>"#;
     let builder =
         Builder::new().mjcf_text(text, "m.xml").functions([Function::MassMatrix]).embed_model();
     let code = builder.generate().expect("a robot").text;
     for line in [
         "pub const HOME: [f64; 1] = [0.5];",
+        "pub const HOME_QD: [f64; 1] = [0.25];",
+        "pub const HOME_CTRL: [f64; 1] = [3.0];",
+        "pub const TIME_STEP: f64 = 0.004;",
         "pub const HOME_KEYFRAME: [f64; 1] = [1.0];",
         "pub const NEUTRAL_KEYFRAME: [f64; 1] = [0.0];",
         "pub const TO_THE_LEFT: [f64; 1] = [2.0];",
         "pub const LIMITS_KEYFRAME: [f64; 1] = [3.0];",
         r#"pub const KEYFRAMES: [(&'static str, [f64; 1]); 5] = [("home", Self::HOME), ("Home", Self::HOME_KEYFRAME), "#,
-        r#"Keyframe { name: "to the left".into(), q: [2.0].into() }"#,
+        r#"Keyframe { name: "home".into(), q: [0.5].into(), qd: [0.25].into(), ctrl: [3.0].into(), act: [].into() }"#,
+        "time_step: Some(0.004)",
     ] {
         assert!(code.contains(line), "{line}: {code}");
     }

@@ -11,7 +11,7 @@ use modyn_codegen::{
     Builder, Bundle, FloatType, Function, ReadOptions, Shapes, joints_without_inertia,
 };
 use modyn_runtime::equations::identification::{BaseParameter, BaseParameters};
-use modyn_runtime::model::{Link, Model, ModuleTree};
+use modyn_runtime::model::{Keyframe, Link, Model, ModuleTree};
 use modyn_runtime::{ContactSurface, Inertial, Interpreter};
 use numpy::prelude::*;
 use numpy::{PyArray1, PyArray2, PyArrayDescr};
@@ -413,6 +413,27 @@ impl Robot {
             FloatType::F32 => PyArray1::from_iter(py, q.into_iter().map(|x| x as f32)).into_any(),
         }
     }
+
+    /// Returns a keyframe as a `Keyframe` of the package, with the scalars of the robot.
+    fn keyframe_of<'py>(
+        &self,
+        py: Python<'py>,
+        keyframe: &Keyframe,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let full = |numbers: &[f64], count: usize| match numbers {
+            [] => vec![0.0; count],
+            numbers => numbers.to_vec(),
+        };
+        let actuation = self.model.actuation();
+        let all = [
+            keyframe.q.clone(),
+            full(&keyframe.qd, self.model.nv()),
+            full(&keyframe.ctrl, actuation.actuators.len()),
+            full(&keyframe.act, actuation.states()),
+        ];
+        let arrays = all.map(|numbers| self.coordinates(py, numbers));
+        py.import("modyn._types")?.getattr("Keyframe")?.call1(PyTuple::new(py, arrays)?)
+    }
 }
 
 #[pymethods]
@@ -649,20 +670,19 @@ impl Robot {
         Ok(self.coordinates(py, q))
     }
 
-    /// The keyframes of the description: named coordinates, each (nq,), in its order.
+    /// The keyframes of the description: named states, in its order.
     #[getter]
     fn keyframes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let all = PyDict::new(py);
         for keyframe in self.model.keyframes() {
-            all.set_item(&keyframe.name, self.coordinates(py, keyframe.q.clone()))?;
+            all.set_item(&keyframe.name, self.keyframe_of(py, keyframe)?)?;
         }
         Ok(all)
     }
 
-    /// Returns the coordinates of the keyframe of this name, (nq,); `KeyError` names those that
-    /// there are.
+    /// Returns the keyframe of this name: a `Keyframe`; `KeyError` names those that there are.
     fn keyframe<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
-        let Some(q) = self.model.keyframe(name) else {
+        let Some(keyframe) = self.model.keyframe(name) else {
             let known: Vec<&str> =
                 self.model.keyframes().iter().map(|keyframe| keyframe.name.as_str()).collect();
             let message = match known.is_empty() {
@@ -671,7 +691,13 @@ impl Robot {
             };
             return Err(PyKeyError::new_err(message));
         };
-        Ok(self.coordinates(py, q.to_vec()))
+        self.keyframe_of(py, keyframe)
+    }
+
+    /// The time step of the description, s, such as `<option timestep>` of an MJCF; `None` without one.
+    #[getter]
+    fn time_step(&self) -> Option<f64> {
+        self.model.time_step()
     }
 
     /// Checks that the quaternions of spherical and floating joints in `q`, (nq,), have length 1;

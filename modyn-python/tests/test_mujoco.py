@@ -134,19 +134,25 @@ def test_another_model_is_refused(panda):
 
 
 def test_keyframes_are_mujocos():
-    keys = """<keyframe><key name="home" qpos="1 2 3  .5 .5 .5 -.5  .8 .1 -.2 .3  .1 .2 .3"/><key name="drawn"/></keyframe></mujoco>"""
-    text = WALKER.replace("</mujoco>", keys)
+    keys = """<actuator><position name="held" joint="hip" kp="20"/><general joint="knee" dyntype="filter" dynprm="0.1"/></actuator>
+        <keyframe><key name="home" qpos="1 2 3  .5 .5 .5 -.5  .8 .1 -.2 .3  .1 .2 .3" qvel="1 2 3 4 5 6  7 8 9  -1 -2 -3" ctrl="0.4 0.5"
+        act="0.25"/><key name="drawn"/></keyframe></mujoco>"""
+    text = WALKER.replace("</mujoco>", keys).replace("<option", '<option timestep="0.005"')
     robot, model = modyn.loads(text, file="walker.xml"), mujoco.MjModel.from_xml_string(text)
     conventions = modyn.conventions.MuJoCo(robot, model)
     assert list(robot.keyframes) == ["home", "drawn"]
-    for name, q in robot.keyframes.items():
-        assert (robot.keyframe(name) == q).all()
-        robot.check_configuration(q)
-        assert np.allclose(conventions.to_qpos(q), model.key(name).qpos, rtol=0, atol=1e-12)
+    assert robot.time_step == model.opt.timestep == 0.005
+    for name, key in robot.keyframes.items():
+        assert (robot.keyframe(name).q == key.q).all()
+        robot.check_configuration(key.q)
+        theirs = model.key(name)
+        assert np.allclose(conventions.to_qpos(key.q), theirs.qpos, rtol=0, atol=1e-12)
+        assert np.allclose(conventions.to_qvel(key.q, key.qd), theirs.qvel, rtol=0, atol=1e-12)
+        assert (key.ctrl == theirs.ctrl).all() and (key.act == theirs.act).all()
     with pytest.raises(KeyError, match="`away`; there are: home, drawn"):
         robot.keyframe("away")
     single = modyn.loads(text, file="walker.xml", scalar="f32")
-    assert single.keyframe("home").dtype == np.float32
+    assert single.keyframe("home").ctrl.dtype == np.float32
 
 
 def test_schema():

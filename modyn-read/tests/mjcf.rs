@@ -408,7 +408,7 @@ fn a_free_body_can_be_fixed() {
     let weld = r#"<equality><weld body1="trunk"/></equality>"#;
     let fixed = read(free, &(key("1 2 3 1 0 0 0 0.7") + weld), Base::Fixed).expect("a robot");
     assert_eq!(fixed.warnings, []);
-    assert_eq!(fixed.model.keyframe("home"), Some(&[0.7][..]));
+    assert_eq!(fixed.model.keyframe("home").map(|home| &*home.q), Some(&[0.7][..]));
     let welded = read("", &key("0.7"), Base::Described).expect("a robot").model;
     assert_same_numbers(fixed.model, welded);
     let found = read(free, "", Base::Floating).expect_err("refused").into_vec();
@@ -785,7 +785,7 @@ fn aligned_free_bodies_are_refused() {
 #[test]
 fn attributes_that_are_not_read_are_not_judged() {
     read(
-        r#"<mujoco model="m"><compiler strippath="maybe"/><option timestep="short"/><asset><material rgba="red"/></asset>
+        r#"<mujoco model="m"><compiler strippath="maybe"/><option apirate="short"/><asset><material rgba="red"/></asset>
         <worldbody><body sleep="never"><joint name="j" user="wide"/><geom size="0.1" contype="-1" rgba="red"/></body></worldbody>
         <actuator><muscle tausmooth="high" joint="j"/></actuator></mujoco>"#,
     )
@@ -1172,7 +1172,8 @@ fn keyframes_are_named_coordinates() {
         read(&text(&format!(r#"{home}<key name="drawn"/><key time="2"/>"#))).expect("an MJCF");
     let names: Vec<&str> = model.keyframes().iter().map(|key| key.name.as_str()).collect();
     assert_eq!(names, ["home", "drawn", "key_2"]);
-    assert_eq!(model.keyframe("drawn"), model.keyframe("key_2"));
+    let [drawn, last] = ["drawn", "key_2"].map(|name| &model.keyframe(name).expect(name).q);
+    assert_eq!(drawn, last);
     assert_eq!(model.keyframe("other"), None);
     // By MuJoCo 4.0.0.
     for (key, link, expected) in [
@@ -1183,7 +1184,7 @@ fn keyframes_are_named_coordinates() {
         ("drawn", "slider", [1.2743801661439351, 2.49259182887609, 3.1697722338520653]),
         ("drawn", "end", [1.5400506418078839, 2.613477641882264, 3.356335409678185]),
     ] {
-        let q = model.keyframe(key).expect("the keyframe");
+        let q = &model.keyframe(key).expect("the keyframe").q;
         let frame = model.frame_index(link).expect("the link");
         let mut robot = Interpreter::<f64>::new(model.clone());
         let mut poses = vec![modyn_runtime::Pose::identity(); model.frames().len()];
@@ -1201,11 +1202,67 @@ fn keyframes_are_named_coordinates() {
         let found = read(&text(&wrong)).expect_err(&wrong).into_vec();
         assert_eq!((found.len(), found[0].code), (1, code), "{found:?}");
     }
+    // Joints that follow or do not move have no velocity. A free joint's linear velocity is in body axes.
+    let moving = home.replace("/>", r#" qvel="1 2 3 4 5 6  7  8 9 10  11  12 13"/>"#);
+    let moving = read(&text(&moving)).expect("an MJCF");
+    let home = moving.keyframe("home").expect("the keyframe");
+    assert_eq!(home.qd[3..], [4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0]);
+    // The quaternion (.8, .1, -.2, .3) of length sqrt(.78) rotates the body's axes into the world's.
+    let [w, x, y, z] = [0.8, 0.1, -0.2, 0.3_f64].map(|part| part / 0.78_f64.sqrt());
+    let column = [2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y)];
+    let along: f64 = column.iter().zip([1.0, 2.0, 3.0]).map(|(a, b)| a * b).sum();
+    assert!((home.qd[2] - along).abs() < 1e-12, "{:?} {along}", home.qd);
+    let short = home_with(r#"qvel="1 2 3""#);
+    let errors = read(&text(&short)).expect_err("short").into_vec();
+    assert_eq!((errors.len(), errors[0].code), (1, Code::NumberCount), "{errors:?}");
+}
+
+/// Returns a keyframe of this name with these attributes.
+fn home_with(attributes: &str) -> String {
+    format!(r#"<key name="home" {attributes}/>"#)
+}
+
+/// The controls of a keyframe are those of the actuators that are read, in their order.
+#[test]
+fn keyframes_have_controls() {
+    let text = |other: &str, key: &str| {
+        format!(
+            r#"<mujoco model="m"><option timestep="0.004"/><worldbody><body><joint name="a"/><geom size="1"/>
+            <body><joint name="b" axis="1 0 0"/><geom size="1"/></body></body></worldbody>
+            <actuator><motor joint="a"/>{other}<general name="slow" joint="b" dyntype="filter" dynprm="0.1"/></actuator>
+            <keyframe>{}</keyframe></mujoco>"#,
+            home_with(key)
+        )
+    };
+    let muscle = r#"<muscle joint="b" lengthrange="0 1"/>"#;
+    let state = |other: &str, key: &str| {
+        let model = read(&text(other, key)).expect("an MJCF");
+        assert_eq!(model.time_step(), Some(0.004));
+        let home = model.keyframe("home").expect("the keyframe");
+        (home.ctrl.clone(), home.act.clone())
+    };
+    assert_eq!(state("", r#"ctrl="1 2" act="3""#), (vec![1.0, 2.0], vec![3.0]));
+    assert_eq!(state(muscle, r#"ctrl="1 2 3""#), (vec![1.0, 3.0], vec![]));
+    assert_eq!(state("", r#"ctrl="0 0""#), (vec![], vec![]));
     let options = ReadOptions::default();
-    let moving = text(&home.replace("/>", r#" qvel="0 0 0 0 0 0 1 0 0 0 0 0 0"/>"#));
-    let reading = modyn_read::read_mjcf(&moving, "m.xml", &options).expect("an MJCF");
-    let warnings: Vec<&str> = reading.warnings.iter().map(|one| one.message.as_str()).collect();
-    assert_eq!(warnings, ["the velocities of the keyframe are not read"]);
+    let unread = text(muscle, r#"ctrl="1 2 3" act="0.5 1""#);
+    let warnings = modyn_read::read_mjcf(&unread, "m.xml", &options).expect("an MJCF").warnings;
+    let message = "the activations of the keyframe are not read";
+    assert!(warnings.iter().any(|one| one.message.starts_with(message)), "{warnings:?}");
+    for wrong in [r#"ctrl="1""#, r#"ctrl="1 2 3""#, r#"act="1 2""#] {
+        let errors = read(&text("", wrong)).expect_err(wrong).into_vec();
+        assert_eq!((errors.len(), errors[0].code), (1, Code::NumberCount), "{errors:?}");
+        assert!(errors[0].message.contains("of the keyframe `home` has"), "{errors:?}");
+    }
+    let still = text("", "").replace("0.004", "0");
+    let errors = read(&still).expect_err("no time").into_vec();
+    assert!(errors.len() == 1 && errors[0].message.contains("not above 0"), "{errors:?}");
+    // The option replaces the actuators, and with them the controls.
+    let actuators = vec![modyn_read::JointActuator::motor("a")];
+    let options = ReadOptions { actuators, ..ReadOptions::default() };
+    let replaced = modyn_read::read_mjcf(&text("", r#"ctrl="1 2""#), "m.xml", &options);
+    let model = replaced.expect("an MJCF").model;
+    assert_eq!(model.keyframe("home").map(|home| home.ctrl.len()), Some(0));
 }
 
 /// A number that cannot be read is reported at its line, and so are joints without inertia elsewhere. The body with

@@ -55,7 +55,9 @@ fn round(name: &str, model: &Model, format: Format, random: &mut Random) -> bool
     let mut home = vec![0.0; model.nq()];
     let interpreter = Interpreter::<f64>::new(model.clone());
     interpreter.random(|| random.between(0.0, 1.0), &mut home).expect("coordinates");
-    let keyframe = Keyframe { name: "home".into(), q: home.clone() };
+    let qd: Vec<f64> = (0..model.nv()).map(|_| random.between(-1.0, 1.0)).collect();
+    let keyframe =
+        Keyframe { name: "home".into(), q: home.clone(), qd: qd.clone(), ..Keyframe::default() };
     let model = &model.clone().with_keyframes(vec![keyframe]).expect("coordinates");
     let written = match write(model, format) {
         Ok(written) => written,
@@ -70,7 +72,10 @@ fn round(name: &str, model: &Model, format: Format, random: &mut Random) -> bool
     assert_eq!((again.nq(), again.nv()), (model.nq(), model.nv()), "{file}");
     let kept = again.keyframe("home");
     assert_eq!(kept.is_some(), format == Format::Mjcf, "{file}");
-    assert_close(&format!("{file}: home"), &home, kept.unwrap_or(&home));
+    if let Some(kept) = kept {
+        assert_close(&format!("{file}: home"), &home, &kept.q);
+        assert_close(&format!("{file}: home"), &qd, &kept.qd);
+    }
     let mut robots = [model, &again].map(|model| Interpreter::<f64>::new(model.clone()));
     for own in 0..model.links().len() {
         let q = model.q_range(own);

@@ -15,6 +15,7 @@ from ._types import (
     HeightField,
     Joint,
     JointLimits,
+    Keyframe,
     QuadraticCost,
     RolloutCosts,
     RolloutGradients,
@@ -221,13 +222,15 @@ class GpuRollout:
         settings: ConstraintSettings | ArrayLike | GpuArray | None = None,
         data: ArrayLike | GpuArray | None = None,
         trajectory: bool = False,
+        act: ArrayLike | GpuArray | None = None,
     ) -> RolloutResults:
         """Runs n rollouts from the states `q`, (nq,) or (k, nq), and `qd`, (nv,) or (k, nv), under the `controls`,
         (n, steps, controls), with steps of `dt` s. Rollout i starts from state i modulo k. The arrays may be on the
         processor.
 
         `step` is a time step among the functions; `"constrained_forward_dynamics"` for steps that close loops and hold
-        contacts, whose `settings` are those of the function. `data` are numbers for your functions. Returns
+        contacts, whose `settings` are those of the function. `data` are numbers for your functions. `act`, (activations,) or
+        (k, activations), are the activations and the delayed controls with which `"step_actuated"` begins, by default zeros. Returns
         `RolloutResults`, whose arrays stay on the processor: `state` (n, nq + nv) after the last step, `cost` (n,) or
         `None`, and with `trajectory=True` `trajectory` (n, steps, nq + nv). The call does not wait for them.
         """
@@ -338,10 +341,13 @@ class Robot:
     def neutral(self) -> Array:
         """Returns the neutral coordinates, (nq,): zero for every joint, the identity for quaternions."""
     @property
-    def keyframes(self) -> dict[str, Array]:
-        """The keyframes of the description: named coordinates, each (nq,), in its order."""
-    def keyframe(self, name: str) -> Array:
-        """Returns the coordinates of the keyframe of this name, (nq,); `KeyError` names those that there are."""
+    def keyframes(self) -> dict[str, Keyframe]:
+        """The keyframes of the description: named states, in its order."""
+    def keyframe(self, name: str) -> Keyframe:
+        """Returns the keyframe of this name; `KeyError` names those that there are."""
+    @property
+    def time_step(self) -> float | None:
+        """The time step of the description, s, such as `<option timestep>` of an MJCF; `None` without one."""
     def check_configuration(self, q: ArrayLike) -> None:
         """Checks that the quaternions of spherical and floating joints in `q`, (nq,), have length 1."""
     def animation(self, times: ArrayLike, trajectory: ArrayLike, ground: float | None = None) -> str:

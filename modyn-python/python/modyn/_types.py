@@ -31,6 +31,19 @@ class JointLimits(NamedTuple):
     """(nv,), N m or N"""
 
 
+class Keyframe(NamedTuple):
+    """A named state of a robot, with its controls; zeros where the description has none."""
+
+    q: NDArray[Any]
+    """(nq,): the coordinates"""
+    qd: NDArray[Any]
+    """(nv,): the velocities"""
+    ctrl: NDArray[Any]
+    """(controls,): the controls of the actuators"""
+    act: NDArray[Any]
+    """(activations,): the states of the actuators"""
+
+
 class BaseParameters(NamedTuple):
     """A smallest set of combinations of inertial parameters that determines all joint forces."""
 

@@ -96,10 +96,14 @@ impl GpuRollout {
     ///
     /// `step` is a time step among the functions; `"constrained_forward_dynamics"` for steps that
     /// close loops and hold contacts, whose `settings` are those of the function. `data` are
-    /// numbers for your functions. Returns `RolloutResults`, whose arrays stay on the processor:
+    /// numbers for your functions. `act`, (activations,) or (k, activations), are the activations and
+    /// the delayed controls with which `"step_actuated"` begins, by default zeros. Returns
+    /// `RolloutResults`, whose arrays stay on the processor:
     /// `state` (n, nq + nv) after the last step, `cost` (n,) or `None`, and with `trajectory=True`
     /// `trajectory` (n, steps, nq + nv). The call does not wait for them.
-    #[pyo3(signature = (q, qd, controls, dt, *, step="step_semi_implicit", settings=None, data=None, trajectory=false))]
+    #[pyo3(signature = (
+        q, qd, controls, dt, *, step="step_semi_implicit", settings=None, data=None, trajectory=false, act=None
+    ))]
     fn run<'py>(
         &self,
         py: Python<'py>,
@@ -111,14 +115,16 @@ impl GpuRollout {
         settings: Option<&Bound<'py, PyAny>>,
         data: Option<&Bound<'py, PyAny>>,
         trajectory: bool,
+        act: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let source = self.rollout.source();
         let step = function_named(step)?;
-        let [q, qd] = [("q", source.nq, q), ("qd", source.nv, qd)].map(|(name, n, object)| {
-            Argument::read("run", name, None, &[n], object)?.uploaded(py, &self.gpu, 1)
-        });
-        let q = q?;
-        let qd = qd?;
+        let start = |name: &str, count: usize, object| {
+            Argument::read("run", name, None, &[count], object)?.uploaded(py, &self.gpu, 1)
+        };
+        let q = start("q", source.nq, q)?;
+        let qd = start("qd", source.nv, qd)?;
+        let act = act.map(|act| start("act", source.activations, act)).transpose()?;
         let rollout = source.rollouts.iter().find(|rollout| rollout.step == step.name());
         // A step without a kernel is refused below.
         let count = rollout.map_or(source.nv, |rollout| rollout.controls);
@@ -140,6 +146,7 @@ impl GpuRollout {
         };
         let arguments = RolloutArguments {
             step,
+            act: act.as_ref(),
             settings: settings.as_ref(),
             data: data.as_ref(),
             parameters: parameters.as_ref(),

@@ -18,6 +18,10 @@ pub fn apply(description: &mut Description, options: &ReadOptions, report: &mut 
         return;
     }
     let replaced = std::mem::take(&mut description.actuation);
+    for keyframe in &mut description.keyframes {
+        keyframe.ctrl.clear();
+        keyframe.act.clear();
+    }
     if !replaced.actuators.is_empty() {
         let names = replaced.actuators.iter().map(|actuator| actuator.name.as_str());
         let message =

@@ -51,7 +51,7 @@ pub struct Description {
     pub loops: Vec<LoopRecord>,
     /// The frames that can touch the world.
     pub contacts: Vec<ContactRecord>,
-    /// The named coordinates, in the order of the text.
+    /// The named states, in the order of the text.
     pub keyframes: Vec<KeyframeRecord>,
     /// The actuators and their tendons, with indices of joints of the description in place of links.
     pub actuation: Actuation,
@@ -241,13 +241,19 @@ pub struct SoftnessRecord {
     pub margin: f64,
 }
 
-/// Named coordinates of the robot.
+/// A named state of the robot.
 #[derive(Clone)]
 pub struct KeyframeRecord {
     pub name: Located,
     /// For joints of the description, by their index: the coordinates in modyn's order, with
     /// quaternions of unit length. The coordinates of other joints are neutral.
     pub coordinates: Vec<(usize, Vec<f64>)>,
+    /// The velocities in modyn's order, like the coordinates.
+    pub velocities: Vec<(usize, Vec<f64>)>,
+    /// The controls of the actuators; empty for zeros.
+    pub ctrl: Vec<f64>,
+    /// The activations of the actuators; empty for zeros.
+    pub act: Vec<f64>,
 }
 
 /// One of the two frames of a loop joint, or the frame of a contact.

@@ -4,13 +4,14 @@
 //! joint of the child's body, since MuJoCo refuses a body that moves without mass. A link that is
 //! fixed to another one is a body without joints if it has mass, else a site.
 
-use modyn_runtime::conventions::mujoco::to_qpos;
+use modyn_runtime::conventions::mujoco::{to_qpos, to_qvel};
 use modyn_runtime::conventions::{
     quaternion_from_rotation, rotation_from_quaternion, wxyz_from_xyzw,
 };
 use modyn_runtime::joint::{JointType, planar};
 use modyn_runtime::model::{
-    Cone, Frame, Inertial, Integrator, JointDynamics, LoopConstraintEnd, LoopConstraintKind, Model,
+    Cone, Frame, Inertial, Integrator, JointDynamics, Keyframe, LoopConstraintEnd, LoopConstraintKind,
+    Model,
 };
 use modyn_runtime::spatial::Pose;
 
@@ -68,9 +69,9 @@ pub fn document(model: &Model) -> Document {
     let world = writer.world();
     let (mut world, equality) = writer.equality(world);
     let assets = writer.shapes(&mut world);
-    let keyframes = writer.keyframes();
-    let Writer { mut document, .. } = writer;
     let WrittenActuators { section: actuators, notes } = actuators::of_mjcf(model);
+    let keyframes = writer.keyframes(&actuators);
+    let Writer { mut document, .. } = writer;
     document.notes.extend(notes);
     document.root.children.extend([compiler, option]);
     let is_full = |section: &Element| !section.children.is_empty();
@@ -129,8 +130,10 @@ impl Writer<'_> {
         if soft.cone == Cone::Elliptic {
             option = option.with("cone", "elliptic");
         }
-        if let Some(impratio) = soft.impratio {
-            option = option.numbers("impratio", &[impratio]);
+        for (name, number) in [("timestep", soft.time_step), ("impratio", soft.impratio)] {
+            if let Some(number) = number {
+                option = option.numbers(name, &[number]);
+            }
         }
         match soft.integrator {
             Integrator::Euler => option,
@@ -450,8 +453,12 @@ impl Writer<'_> {
         (world, equality)
     }
 
-    /// Returns `<keyframe>`, with the coordinates in the order of the joints in the text.
-    fn keyframes(&self) -> Element {
+    /// Returns `<keyframe>`, with the coordinates in the order of the joints in the text. Its keyframes
+    /// have their controls if the text has all actuators and their states.
+    fn keyframes(&self, actuators: &Element) -> Element {
+        let all = &self.model.actuation().actuators;
+        let has_controls =
+            actuators.children.len() == all.len() && all.iter().all(|actuator| actuator.delay == 0);
         let links = self.model.links();
         // From the last to the first, the bodies that are still to come; a body is followed by
         // those in it.
@@ -470,10 +477,36 @@ impl Writer<'_> {
         for keyframe in self.model.keyframes() {
             let of_joint = |&link: &usize| self.coordinates(link, &keyframe.q);
             let numbers: Vec<f64> = order.iter().flat_map(of_joint).collect();
-            let key = Element::new("key").with("name", &*keyframe.name).numbers("qpos", &numbers);
+            let mut key =
+                Element::new("key").with("name", &*keyframe.name).numbers("qpos", &numbers);
+            if !keyframe.qd.is_empty() {
+                let of_joint = |&link: &usize| self.velocities(link, keyframe);
+                let numbers: Vec<f64> = order.iter().flat_map(of_joint).collect();
+                key = key.numbers("qvel", &numbers);
+            }
+            for (name, numbers) in [("act", &keyframe.act), ("ctrl", &keyframe.ctrl)] {
+                if has_controls && !numbers.is_empty() {
+                    key = key.numbers(name, numbers);
+                }
+            }
             section.children.push(key);
         }
         section
+    }
+
+    /// Returns the velocities of a link's joint as MuJoCo has them.
+    fn velocities(&self, link: usize, keyframe: &Keyframe) -> Vec<f64> {
+        if let Some(mimic) = self.model.links()[link].joint.mimic {
+            let leader = self.velocities(mimic.leader, keyframe)[0];
+            return vec![mimic.multiplier * leader];
+        }
+        let [q, qd] = [&keyframe.q[self.model.q_range(link)], &keyframe.qd[self.model.v_range(link)]];
+        match (q, qd) {
+            (&[x, y, z, a, b, c, d], &[vx, vy, vz, wx, wy, wz]) => {
+                to_qvel([x, y, z, a, b, c, d], [vx, vy, vz, wx, wy, wz]).to_vec()
+            }
+            (_, numbers) => numbers.to_vec(),
+        }
     }
 
     /// Returns the coordinates of a link's joint as MuJoCo has them.

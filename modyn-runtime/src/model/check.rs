@@ -4,7 +4,7 @@ use alloc::{collections::BTreeMap, vec::Vec};
 
 use super::{
     Activation, ActivationDynamics, Actuation, Actuator, AffineLaw, ContactShape, Friction,
-    Impedance, Inertial, JointSum, Limits, Model, ModelError, ModelErrorKind, SoftConstraints,
+    Impedance, Inertial, JointSum, Keyframe, Limits, Model, ModelError, ModelErrorKind, SoftConstraints,
     SoftCoupling, SoftTendon, Softness, TendonSpring, TorqueSpeedLine, Transmission,
 };
 use crate::joint::JointType;
@@ -228,8 +228,7 @@ pub(super) fn check_contacts(model: &Model) -> Vec<ModelError> {
 pub(super) fn check_soft_constraints(model: &Model) -> Vec<ModelError> {
     let mut errors = Vec::new();
     let soft = &model.soft_constraints;
-    let SoftConstraints { impratio, shapes, joints, loops, tendons, couplings, references, .. } =
-        soft;
+    let SoftConstraints { shapes, joints, loops, tendons, couplings, references, .. } = soft;
     for shape in shapes {
         let mut report = |kind| errors.push(ModelError { name: shape.name.clone(), kind });
         match model.frames.get(shape.end.frame) {
@@ -252,7 +251,8 @@ pub(super) fn check_soft_constraints(model: &Model) -> Vec<ModelError> {
         }
     }
     let is_ground_sound = soft.ground.is_none_or(|surface| surface.check().is_ok());
-    if !impratio.is_none_or(|impratio| impratio.is_finite() && impratio > 0.0) || !is_ground_sound {
+    let is_positive = |x: Option<f64>| x.is_none_or(|x| x.is_finite() && x > 0.0);
+    if ![soft.impratio, soft.time_step].into_iter().all(is_positive) || !is_ground_sound {
         errors.push(ModelError { name: model.name.clone(), kind: ModelErrorKind::TouchingShape });
     }
     for softness in joints {
@@ -344,15 +344,19 @@ pub(super) fn check_keyframes(model: &Model) -> Vec<ModelError> {
     let mut errors = Vec::new();
     let mut names = BTreeMap::new();
     for keyframe in &model.keyframes {
-        let name = &keyframe.name;
-        let q = &keyframe.q;
+        let Keyframe { name, q, qd, ctrl, act } = keyframe;
         let mut report = |kind| errors.push(ModelError { name: name.clone(), kind });
         if names.insert(name, ()).is_some() {
             report(ModelErrorKind::DuplicateName);
         }
-        if q.len() != model.nq() {
+        let fits = |numbers: &[f64], count: usize| [0, count].contains(&numbers.len());
+        let has_counts = q.len() == model.nq()
+            && fits(qd, model.nv())
+            && fits(ctrl, model.actuation.actuators.len())
+            && fits(act, model.actuation.states());
+        if !has_counts {
             report(ModelErrorKind::KeyframeLength);
-        } else if !finite(q) {
+        } else if ![q, qd, ctrl, act].into_iter().all(|numbers| finite(numbers)) {
             report(ModelErrorKind::NotFinite);
         } else if model.quaternions().any(|(_, at)| {
             let square: f64 = q[at..at + 4].iter().map(|x| x * x).sum();

@@ -299,11 +299,12 @@ impl Model {
     /// All defects: a name used twice, a joint that does not exist or has several degrees of
     /// freedom, a tendon that does not exist, a range whose lower end is not below its upper end, a
     /// range of a tendon's forces that does not contain zero, a time constant that is negative, a
-    /// torque-speed line whose force or speed is not above zero, a delay of too many steps, a number
-    /// that is not finite.
+    /// torque-speed line whose force or speed is not above zero, delays of too many steps, a number
+    /// that is not finite, keyframes with controls or activations of other actuators.
     pub fn with_actuation(mut self, actuation: Actuation) -> Result<Self, Vec<ModelError>> {
         self.actuation = actuation;
-        let errors = check::check_actuation(&self);
+        let mut errors = check::check_actuation(&self);
+        errors.extend(check::check_keyframes(&self));
         if errors.is_empty() { Ok(self) } else { Err(errors) }
     }
 
@@ -312,7 +313,8 @@ impl Model {
     /// # Errors
     ///
     /// All defects of the keyframes: a name used twice, a number of coordinates that is not nq, a
-    /// number that is not finite, a quaternion that is not of unit length.
+    /// number of velocities, controls or activations that is neither the robot's nor zero, a number
+    /// that is not finite, a quaternion that is not of unit length.
     pub fn with_keyframes(mut self, keyframes: Vec<Keyframe>) -> Result<Self, Vec<ModelError>> {
         self.keyframes = keyframes;
         let errors = check::check_keyframes(&self);
@@ -380,7 +382,7 @@ impl Model {
         &self.contacts
     }
 
-    /// Returns the keyframes: named coordinates, in the order of the description.
+    /// Returns the keyframes: named states, in the order of the description.
     #[must_use]
     pub fn keyframes(&self) -> &[Keyframe] {
         &self.keyframes

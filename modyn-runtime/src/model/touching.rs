@@ -24,6 +24,9 @@ pub struct SoftConstraints {
     pub cone: Cone,
     /// The integrator of steps.
     pub integrator: Integrator,
+    /// The time step of the description, s; `None` without one.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub time_step: Option<f64>,
     /// How many times stiffer friction is than the normal direction, `MuJoCo`'s `impratio`; `None`: 1.
     pub impratio: Option<f64>,
     /// The shapes that touch the ground.
@@ -54,6 +57,7 @@ impl Default for SoftConstraints {
         Self {
             cone: Cone::default(),
             integrator: Integrator::default(),
+            time_step: None,
             impratio: None,
             shapes: Vec::new(),
             ground: None,
@@ -253,6 +257,12 @@ impl Model {
     #[must_use]
     pub fn soft_constraints(&self) -> &SoftConstraints {
         &self.soft_constraints
+    }
+
+    /// Returns the time step of the description, s; `None` without one.
+    #[must_use]
+    pub fn time_step(&self) -> Option<f64> {
+        self.soft_constraints.time_step
     }
 
     /// Returns the settings of a step by the description: the surfaces of the

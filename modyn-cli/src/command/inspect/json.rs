@@ -55,6 +55,9 @@ pub fn of(inspection: &Inspection) -> String {
         "keyframes": model.keyframes().iter().map(|key| json!({
             "name": key.name,
             "q": key.q,
+            "qd": key.qd,
+            "ctrl": key.ctrl,
+            "act": key.act,
         })).collect::<Vec<_>>(),
         "links": model.links().iter().map(|link| json!({
             "name": link.name,

@@ -7,10 +7,11 @@ use modyn_runtime::spatial::{Twist, Wrench};
 use modyn_runtime::{ConstraintSettings, ContactTarget, Interpreter, ShapeError};
 
 use super::adaptive;
+use super::settings::Settings;
 use super::state::State;
 use super::torques::Torques;
 use crate::command::outcome::Failure;
-use crate::contact_steps::{ContactSteps, GroundPoint, Options, Step};
+use crate::contact_steps::{ContactSteps, GroundPoint, Step};
 use crate::loops::settings_of;
 
 /// The state of a robot at an instant, and its energies.
@@ -81,12 +82,12 @@ pub struct Dynamics<'a> {
 }
 
 impl<'a> Dynamics<'a> {
-    /// Returns the equations of motion under these joint forces, with the ground and the joint
-    /// limits, for a start at the coordinates `q`.
+    /// Returns the equations of motion under these joint forces, with the ground, the joint limits
+    /// and the controls of the settings, for a start at the coordinates `q`.
     pub fn new(
         model: &Model,
         torques: &'a Torques,
-        options: Options,
+        settings: &Settings<'_>,
         q: &[f64],
     ) -> Result<Self, Failure> {
         let without_friction = (model.friction() != Friction::None)
@@ -98,12 +99,16 @@ impl<'a> Dynamics<'a> {
         let constraints = (vec![Wrench::zero(); count], vec![Twist::zero(); count]);
         let inactive = vec![false; model.contacts().len()];
         let constraint_settings = settings_of(model);
+        let steps = || {
+            let steps = ContactSteps::new(model, settings.contacts, q);
+            settings.keyframe.into_iter().fold(steps, ContactSteps::from_keyframe)
+        };
         Ok(Self {
             interpreter,
             smooth,
             torques,
             tau,
-            contact_steps: (!options.is_none()).then(|| ContactSteps::new(model, options, q)),
+            contact_steps: (!settings.contacts.is_none()).then(steps),
             lowest: f64::INFINITY,
             residual: 0.0,
             points: Vec::new(),

@@ -5,6 +5,7 @@ mod adaptive;
 mod dynamics;
 mod motion;
 mod plot;
+mod settings;
 mod state;
 mod table;
 mod torques;
@@ -18,7 +19,7 @@ use modyn_codegen::ReadOptions;
 use modyn_codegen::diagnostics::Diagnostics;
 use modyn_codegen::diagnostics::sanitize_for_display;
 use modyn_codegen::output::Replaces;
-use modyn_runtime::model::Model;
+use modyn_runtime::model::{Keyframe, Model};
 
 use crate::command::numbers::numbers;
 use crate::command::outcome::{Failure, may_write, to_file, to_stderr, to_stdout};
@@ -27,9 +28,12 @@ use crate::command::robot::{Robot, needs_dynamics};
 use crate::command::view::note_shapes;
 use crate::contact_steps::{Ground, Limits, Options, contradictory_limits, put_on_ground};
 use crate::viewer::Scene;
-use motion::{Motion, Settings};
+use motion::Motion;
+use settings::Settings;
 use torques::Torques;
 
+/// The time step of a description without one, s.
+const TIME_STEP: f64 = 0.001;
 /// The largest number of joints that are named in a line.
 const MAX_NAMES: usize = 8;
 /// The largest numbers of steps and of samples.
@@ -43,8 +47,9 @@ const MAX_SAMPLES: f64 = 1e6;
 /// limits act, too. With `--ground`, points of `--contacts` touch it in place of the shapes. Without
 /// `--q`, the lowest shape or point of a floating robot starts on the floor. Other robots fall
 /// freely, and their joint limits act with `--limits`. Actuators of such an MJCF and of `--actuators`
-/// act, with controls that are zero. Without `--csv`, `--plot` and `--html` the table
-/// is written to standard output.
+/// act, with controls that are zero. With `--key` the robot starts in a keyframe of the MJCF, and its
+/// actuators hold the controls of the keyframe. Without `--csv`, `--plot` and `--html` the table is
+/// written to standard output.
 ///
 /// The exit code is 1 if the description is rejected or the motion diverges.
 #[derive(Args)]
@@ -53,15 +58,16 @@ pub struct Arguments {
     #[arg(long, value_name = "S", default_value_t = 2.0, value_parser = positive)]
     time: f64,
     /// The step of the fourth-order Runge-Kutta method, or of steps with contacts and joint limits, s
-    #[arg(long, value_name = "S", default_value_t = 0.001, value_parser = positive)]
-    step: f64,
+    /// [default: the `timestep` of an MJCF, else 0.001]
+    #[arg(long, value_name = "S", value_parser = positive)]
+    step: Option<f64>,
     /// Choose the steps such that each step's error of a coordinate or velocity x is at most this
     /// tolerance times 1 + |x|, by the Runge-Kutta method of Dormand and Prince
     #[arg(
         long,
         value_name = "TOLERANCE",
         value_parser = positive,
-        conflicts_with_all = ["step", "ground", "limits", "actuators"],
+        conflicts_with_all = ["step", "ground", "limits", "actuators", "key"],
     )]
     tolerance: Option<f64>,
     /// The time from one row or picture to the next, s; rounded to whole steps
@@ -76,6 +82,9 @@ pub struct Arguments {
     /// Start at random coordinates within the limits
     #[arg(long, value_name = "SEED", conflicts_with = "q")]
     random: Option<u64>,
+    /// Start in this keyframe, by steps in which joint limits and actuators act
+    #[arg(long, value_name = "NAME", conflicts_with_all = ["q", "qd", "random"])]
+    key: Option<String>,
     /// Stop joints softly at their limits, and keep joint forces within the effort limits
     #[arg(long)]
     limits: bool,
@@ -148,10 +157,14 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 impl Arguments {
-    fn settings(&self, model: &Model) -> Result<Settings, Failure> {
+    fn settings<'a>(&self, model: &'a Model) -> Result<Settings<'a>, Failure> {
         let contacts = self.contacts(model)?;
+        let keyframe = self.keyframe(model)?;
         // Steps by a tolerance are within those from one row to the next.
-        let step = if self.tolerance.is_some() { self.every } else { self.step };
+        let step = match self.tolerance {
+            Some(_) => self.every,
+            None => self.step.or(model.time_step()).unwrap_or(TIME_STEP),
+        };
         let steps = (self.time / step).round().max(1.0);
         let every = (self.every / step).round().max(1.0);
         if steps > MAX_STEPS || steps / every > MAX_SAMPLES {
@@ -165,7 +178,22 @@ impl Arguments {
         let steps = steps as usize;
         let every = every as usize;
         let tolerance = self.tolerance;
-        Ok(Settings { step, steps, every, tolerance, contacts })
+        Ok(Settings { step, steps, every, tolerance, contacts, keyframe })
+    }
+
+    /// Returns the keyframe that the user names.
+    fn keyframe<'a>(&self, model: &'a Model) -> Result<Option<&'a Keyframe>, Failure> {
+        let Some(name) = &self.key else { return Ok(None) };
+        if let Some(keyframe) = model.keyframe(name) {
+            return Ok(Some(keyframe));
+        }
+        let names: Vec<&str> = model.keyframes().iter().map(|key| key.name.as_str()).collect();
+        let help = match names.is_empty() {
+            true => "give the start by `--q` and `--qd`".into(),
+            false => format!("there are: {}", sanitize_for_display(&names.join(", "))),
+        };
+        let name = sanitize_for_display(name);
+        Err(Failure::usage(format!("error: `--key`: no keyframe has the name `{name}`\nhelp: {help}")))
     }
 
     /// Returns what the ground, the joint limits and the actuators do.
@@ -188,8 +216,9 @@ impl Arguments {
         }
         let ground = if self.has_ground() { Ground::Described } else { Ground::None };
         let are_given = !self.robot.options.read_options().actuators.is_empty();
-        let actuators = are_given || self.has_ground();
-        let limits = if self.limits { Limits::Act } else { Limits::None };
+        let has_key = self.key.is_some();
+        let actuators = are_given || self.has_ground() || has_key;
+        let limits = if self.limits || has_key { Limits::Act } else { Limits::None };
         Ok(Options { ground, limits, actuators })
     }
 
@@ -199,6 +228,10 @@ impl Arguments {
     }
 
     fn start(&self, model: &Model) -> Result<(Vec<f64>, Vec<f64>), Failure> {
+        if let Some(Keyframe { q, qd, .. }) = self.keyframe(model)? {
+            let zeros = vec![0.0; model.nv()];
+            return Ok((q.clone(), if qd.is_empty() { zeros } else { qd.clone() }));
+        }
         let given = |name: &str, given: &Option<Numbers>, names: Vec<String>| match given {
             Some(Numbers(numbers)) if numbers.len() != names.len() => Err(Failure::usage(format!(
                 "error: `--{name}` must be {} numbers but is {}: {}",

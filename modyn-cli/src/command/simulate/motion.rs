@@ -8,28 +8,15 @@ use modyn_runtime::model::Model;
 use modyn_runtime::{Interpreter, ShapeError};
 
 use super::dynamics::{Dynamics, Sample};
+use super::settings::Settings;
 use super::state::State;
 use super::torques::Torques;
 use super::walk::{Lengths, Singular, Walk};
 use crate::command::outcome::Failure;
-use crate::contact_steps::{GroundPoint, Options};
+use crate::contact_steps::GroundPoint;
 use crate::loops::{OpenLoop, close_loops};
 use crate::random::Random;
 use crate::viewer;
-
-/// The settings of the integration.
-pub struct Settings {
-    /// The time step, s.
-    pub step: f64,
-    /// The number of steps.
-    pub steps: usize,
-    /// The number of steps from one sample to the next.
-    pub every: usize,
-    /// The largest error of a step, relative to 1 + |x|; steps are then divided until they keep it.
-    pub tolerance: Option<f64>,
-    /// The ground and the joint limits; with them steps are of first order.
-    pub contacts: Options,
-}
 
 /// The samples of a motion.
 pub struct Motion {
@@ -50,10 +37,10 @@ impl Motion {
         q: Vec<f64>,
         qd: Vec<f64>,
         torques: &Torques,
-        settings: &Settings,
+        settings: &Settings<'_>,
     ) -> Result<Self, Failure> {
         let shape = |error: ShapeError| Failure::usage(format!("error: {error}"));
-        let mut dynamics = Dynamics::new(model, torques, settings.contacts, &q)?;
+        let mut dynamics = Dynamics::new(model, torques, settings, &q)?;
         let mut state = State { q, qd, energy: [0.0; 2] };
         let mut samples = vec![dynamics.sample(0.0, &state).map_err(shape)?];
         let lengths = Lengths {

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use modyn_runtime::OperationCount;
-use modyn_runtime::model::Link;
+use modyn_runtime::model::{Keyframe, Link};
 
 use super::Robot;
 use crate::names;
@@ -118,6 +118,13 @@ impl Robot<'_> {
             }
         }
         self.keyframes(text);
+        if let Some(time_step) = self.model.time_step() {
+            let float = self.options.scalar.name();
+            let _ = writeln!(
+                text,
+                "/// The time step of the description, s.\npub const TIME_STEP: {float} = {time_step:?};"
+            );
+        }
         self.limits(text);
         if let Some(base) = base_parameters {
             print_base_parameters(text, base);
@@ -138,7 +145,8 @@ impl Robot<'_> {
         text.push_str("}\n\n");
     }
 
-    /// Prints the keyframes: a constant of its name for each, and a table of all.
+    /// Prints the keyframes: a constant of its name for each, constants for its velocities, controls
+    /// and activations that are not zero, and a table of all.
     fn keyframes(&self, text: &mut String) {
         let nq = self.model.nq();
         let float = self.options.scalar.name();
@@ -147,15 +155,25 @@ impl Robot<'_> {
             return;
         }
         let mut table = String::new();
-        for keyframe in keyframes {
-            let name = constant_name(&keyframe.name, text);
-            let _ = writeln!(
-                text,
-                "/// The coordinates of the keyframe {:?}.\n\
-                 pub const {name}: [{float}; {nq}] = {:?};",
-                keyframe.name, keyframe.q
-            );
-            table += &format!("({:?}, Self::{name}), ", keyframe.name);
+        for Keyframe { name: keyframe, q, qd, ctrl, act } in keyframes {
+            let mut print = |what: &str, ending: &str, numbers: &[f64]| {
+                let name = constant_name(&format!("{keyframe}{ending}"), text);
+                let _ = writeln!(
+                    text,
+                    "/// The {what} of the keyframe {keyframe:?}.\n\
+                     pub const {name}: [{float}; {}] = {numbers:?};",
+                    numbers.len()
+                );
+                name
+            };
+            table += &format!("({keyframe:?}, Self::{}), ", print("coordinates", "", q));
+            for (what, ending, numbers) in
+                [("velocities", "_qd", qd), ("controls", "_ctrl", ctrl), ("activations", "_act", act)]
+            {
+                if !numbers.is_empty() {
+                    print(what, ending, numbers);
+                }
+            }
         }
         let _ = writeln!(
             text,
@@ -250,6 +268,7 @@ fn constant_name(keyframe: &str, text: &str) -> String {
         "KEYFRAMES",
         "LIMITS",
         "MODULES",
+        "TIME_STEP",
     ];
     let constant = names::snake(keyframe).to_ascii_uppercase();
     let is_taken = |name: &str| {

@@ -75,8 +75,9 @@ impl Robot<'_> {
         }));
         let entries = model.keyframes().iter().map(|keyframe| {
             format!(
-                "__modyn::model::Keyframe {{ name: {:?}.into(), q: {:?}.into() }}",
-                keyframe.name, keyframe.q
+                "__modyn::model::Keyframe {{ name: {:?}.into(), q: {:?}.into(), qd: {:?}.into(), \
+                 ctrl: {:?}.into(), act: {:?}.into() }}",
+                keyframe.name, keyframe.q, keyframe.qd, keyframe.ctrl, keyframe.act
             )
         });
         let keyframes = match list(entries).as_str() {
@@ -155,12 +156,13 @@ fn soft_constraints(model: &Model) -> String {
          LoopSoftness, Integrator, SoftConstraints, SoftCoupling, SoftTendon, Softness, TendonJoint, TendonSpring, \
          TouchingShape}};\n            \
          model.with_soft_constraints(SoftConstraints {{ cone: Cone::{:?}, integrator: Integrator::{:?}, \
-         impratio: {:?}, \
+         time_step: {:?}, impratio: {:?}, \
          shapes: {shapes}.into(), ground: {:?}, joints: {joints}.into(), loops: {loops}.into(), \
          tendons: {tendons}.into(), couplings: {couplings}.into(), \
          references: {references:?}.into(), joint_limits: {}, joint_friction: {} }})\n        }})\n        ",
         soft.cone,
         soft.integrator,
+        soft.time_step,
         soft.impratio,
         soft.ground,
         soft.joint_limits,

@@ -48,15 +48,19 @@ impl<'e> Bodies<'e, '_, '_> {
     pub fn actuators(&mut self) {
         let items = self.of_section("actuator");
         if items.is_empty() {
+            self.keyframe_controls(&[]);
             return;
         }
         let mut targets = self.targets(&items);
         let acts = self.models[0].settings.flags.actuation;
         let mut inert = InertActuators::default();
         let mut described = Vec::new();
+        let mut is_read = Vec::new();
         // For each joint, the sum of its actuators' largest forces; `None` if one has no limit.
         let mut efforts = vec![Some(0.0); self.description.joints.len()];
         for item in items {
+            let index = is_read.len();
+            is_read.push(false);
             if !self.models[item.model].is_sound(&item.chain) {
                 continue;
             }
@@ -69,6 +73,7 @@ impl<'e> Bodies<'e, '_, '_> {
             let is_law = inert.add(&item, &law, &transmission);
             match transmission {
                 Ok(transmission) if is_law => {
+                    is_read[index] = true;
                     described.push(Described { item, law, transmission });
                 }
                 Err(Inert::Missing) => self.refuse_target(&item, &law),
@@ -86,6 +91,7 @@ impl<'e> Bodies<'e, '_, '_> {
         for actuator in described {
             self.add_actuator(actuator, &targets, &mut taken);
         }
+        self.keyframe_controls(&is_read);
     }
 
     fn targets(&self, actuators: &[Item<'e>]) -> Targets<'e> {

@@ -1,4 +1,4 @@
-//! Keyframes, as named coordinates of the robot.
+//! Keyframes, as named states of the robot.
 
 use std::collections::BTreeSet;
 
@@ -15,6 +15,17 @@ use crate::diagnostics::Code;
 /// of all joints.
 const MAX_COORDINATES: usize = 1_000_000;
 
+/// An attribute of a keyframe with a wrong number of numbers.
+struct WrongCount<'a> {
+    attribute: &'static str,
+    /// The name of the keyframe.
+    keyframe: &'a str,
+    /// The number of numbers that the attribute has, and the number that the model needs.
+    counts: [usize; 2],
+    /// The meaning of the numbers.
+    numbers: &'static str,
+}
+
 impl<'e> Bodies<'e, '_, '_> {
     /// Adds the keyframes of the main model, while the joints are the joints of the text: before
     /// constraints fix some.
@@ -24,7 +35,6 @@ impl<'e> Bodies<'e, '_, '_> {
         // again.
         let own_count = self.models[0].source.root.in_sections("keyframe").count();
         let mut taken = BTreeSet::new();
-        let mut moving = Vec::new();
         let coordinates: usize =
             self.drawn_coordinates().iter().map(|(_, values)| values.len()).sum();
         for (i, item) in items.iter().take(own_count).enumerate() {
@@ -49,12 +59,12 @@ impl<'e> Bodies<'e, '_, '_> {
                 continue;
             }
             if let Some(coordinates) = self.coordinates(item, &name) {
+                let velocities = self.velocities(item, &name, &coordinates);
+                let [ctrl, act] = ["ctrl", "act"]
+                    .map(|attribute| item.text(attribute).and_then(list).unwrap_or_default());
                 let name = Located { text: name, at };
-                self.description.keyframes.push(KeyframeRecord { name, coordinates });
-            }
-            let velocities = item.text("qvel").and_then(list).unwrap_or_default();
-            if velocities.iter().any(|velocity| *velocity != 0.0) {
-                moving.push((Some(at), None));
+                let keyframe = KeyframeRecord { name, coordinates, velocities, ctrl, act };
+                self.description.keyframes.push(keyframe);
             }
         }
         let is_attached = |item: &&Item| item.model != 0;
@@ -67,13 +77,110 @@ impl<'e> Bodies<'e, '_, '_> {
             "a keyframe of an attached model is not read",
             help,
         );
-        let help = "copy its `qvel` into the program, and convert that of free joints by `modyn::conventions::mujoco`";
+    }
+
+    /// Keeps the controls of the keyframes for the actuators that are read, and their activations.
+    /// `is_read` says of each actuator of the text whether it is read.
+    pub fn keyframe_controls(&mut self, is_read: &[bool]) {
+        let actuators = &self.description.actuation.actuators;
+        let activations = actuators.iter().filter(|one| one.activation.is_some()).count();
+        let reads_all = is_read.iter().all(|is_read| *is_read);
+        let mut records = std::mem::take(&mut self.description.keyframes);
+        let mut unread = Vec::new();
+        for KeyframeRecord { name, ctrl, act, .. } in &mut records {
+            if !ctrl.is_empty() && ctrl.len() != is_read.len() {
+                let count = WrongCount {
+                    attribute: "ctrl",
+                    keyframe: &name.text,
+                    counts: [ctrl.len(), is_read.len()],
+                    numbers: "one for each actuator",
+                };
+                self.wrong_count(name.at, &count);
+                ctrl.clear();
+            }
+            let mut is_read = is_read.iter();
+            ctrl.retain(|_| is_read.next().is_some_and(|is_read| *is_read));
+            if !reads_all {
+                // The other actuators may have several activations each.
+                if act.iter().any(|x| *x != 0.0) {
+                    unread.push((Some(name.at), None));
+                }
+                act.clear();
+            } else if !act.is_empty() && act.len() != activations {
+                let count = WrongCount {
+                    attribute: "act",
+                    keyframe: &name.text,
+                    counts: [act.len(), activations],
+                    numbers: "one for each actuator with an activation",
+                };
+                self.wrong_count(name.at, &count);
+                act.clear();
+            }
+        }
+        self.description.keyframes = records;
         self.report.warn_once(
             Code::NotRead,
-            &moving,
-            "the velocities of the keyframe are not read",
-            help,
+            &unread,
+            "the activations of the keyframe are not read: some actuators are not read",
+            "give the activations to the function `step_actuated`",
         );
+    }
+
+    /// Reports that an attribute of a keyframe has a wrong number of numbers.
+    fn wrong_count(&mut self, at: usize, count: &WrongCount<'_>) {
+        let WrongCount { attribute, keyframe, counts: [given, expected], numbers } = count;
+        let message = format!(
+            "`{attribute}` of the keyframe `{keyframe}` has {given} numbers, and the model needs {expected}"
+        );
+        let help = format!("write {expected} numbers: {numbers}");
+        // MuJoCo fills in the numbers of attached models.
+        if self.attached.len() > 1 {
+            self.report.warn_once(Code::NotRead, &[(Some(at), None)], &message, &help);
+        } else {
+            self.report.error(Code::NumberCount, at, None, message, help);
+        }
+    }
+
+    /// Returns the velocities of a keyframe by joint; none, with a diagnostic in the report, if their
+    /// number is wrong.
+    fn velocities(
+        &mut self,
+        item: &Item<'e>,
+        name: &str,
+        coordinates: &[(usize, Vec<f64>)],
+    ) -> Vec<(usize, Vec<f64>)> {
+        let Some(written) = item.text("qvel").and_then(list) else { return Vec::new() };
+        let kind = |joint: usize| match self.description.joints[joint].kind {
+            Kind::Moving(kind) => kind,
+            _ => JointType::Revolute,
+        };
+        let count: usize = coordinates.iter().map(|(joint, _)| kind(*joint).nv()).sum();
+        let mut rest = &written[..];
+        let mut all = Vec::new();
+        for (joint, q) in coordinates {
+            let Some((qvel, others)) = rest.split_at_checked(kind(*joint).nv()) else { break };
+            rest = others;
+            let qd = match (&qvel, &q[..]) {
+                (&&[vx, vy, vz, wx, wy, wz], &[x, y, z, a, b, c, d]) => {
+                    let q = [x, y, z, a, b, c, d];
+                    mujoco::from_qvel(q, [vx, vy, vz, wx, wy, wz]).to_vec()
+                }
+                (numbers, _) => numbers.to_vec(),
+            };
+            all.push((*joint, qd));
+        }
+        if written.len() == count {
+            return all;
+        }
+        let count = WrongCount {
+            attribute: "qvel",
+            keyframe: name,
+            counts: [written.len(), count],
+            numbers: "one for each hinge and slide, three for each ball, six for each free joint",
+        };
+        let at = item.element().attribute("qvel").map_or(item.element().at, |qvel| qvel.value_at);
+        self.wrong_count(at, &count);
+        Vec::new()
     }
 
     /// Returns the coordinates of a keyframe by joint; `None` with a diagnostic in the report.
@@ -112,19 +219,13 @@ impl<'e> Bodies<'e, '_, '_> {
             return Some(all);
         };
         let at = item.element().attribute("qpos").map_or(item.element().at, |qpos| qpos.value_at);
-        let message = format!(
-            "`qpos` of the keyframe `{name}` has {} numbers, and the model {count} coordinates",
-            written.len()
-        );
-        let help = format!(
-            "write {count} numbers: one for each hinge and slide, four for each ball, seven for each free joint"
-        );
-        // MuJoCo fills in the coordinates of attached models.
-        if self.attached.len() > 1 {
-            self.report.warn_once(Code::NotRead, &[(Some(at), None)], &message, &help);
-        } else {
-            self.report.error(Code::NumberCount, at, None, message, help);
-        }
+        let count = WrongCount {
+            attribute: "qpos",
+            keyframe: name,
+            counts: [written.len(), count],
+            numbers: "one for each hinge and slide, four for each ball, seven for each free joint",
+        };
+        self.wrong_count(at, &count);
         None
     }
 

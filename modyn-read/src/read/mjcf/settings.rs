@@ -43,6 +43,8 @@ pub struct Settings<'e> {
     pub cone: Cone,
     /// How many times stiffer friction is than the normal direction.
     pub impratio: Option<f64>,
+    /// The time step, s.
+    pub time_step: f64,
     /// Whether geoms touch each other.
     pub contacts: bool,
     /// Whether limits stop joints.
@@ -59,6 +61,9 @@ pub struct Settings<'e> {
 
 /// The switches that change MuJoCo's steps and have no effect in `step`, each with its position in
 /// which it does.
+/// `MuJoCo`'s time step of an MJCF without one, s.
+const TIME_STEP: f64 = 0.002;
+
 const IGNORED_SWITCHES: [(&str, &str); 3] =
     [("refsafe", "disable"), ("diagexact", "enable"), ("ipc", "enable")];
 
@@ -141,6 +146,12 @@ impl<'e> Settings<'e> {
             let at = last("option", "impratio").map_or(root.at, |attribute| attribute.at);
             report.error(Code::NotRead, at, None, message, "write 1, or a larger number");
         }
+        let time_step = option("timestep").and_then(numbers).map(|[step]| step);
+        if let Some(step) = time_step.filter(|step| *step <= 0.0) {
+            let message = format!("`timestep` is {step}, which is not above 0");
+            let at = last("option", "timestep").map_or(root.at, |attribute| attribute.at);
+            report.error(Code::BadNumber, at, None, message, "write a time in s, such as 0.002");
+        }
         let euler = last("compiler", "eulerseq").map_or(Some(*b"xyz"), |attribute| {
             let letters = <[u8; 3]>::try_from(attribute.value.as_bytes()).ok();
             let axes =
@@ -196,6 +207,7 @@ impl<'e> Settings<'e> {
                 _ => Cone::Pyramidal,
             },
             impratio: impratio.filter(|ratio| *ratio > 0.0),
+            time_step: time_step.filter(|step| *step > 0.0).unwrap_or(TIME_STEP),
             contacts: !disabled("contact") && !disabled("constraint"),
             limits: !disabled("limit") && !disabled("constraint"),
             integrator: last("option", "integrator"),

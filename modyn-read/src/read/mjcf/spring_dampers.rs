@@ -110,7 +110,13 @@ impl Bodies<'_, '_, '_> {
         }
         let name = Located { text: String::new(), at: description.at };
         let coordinates = self.drawn_coordinates();
-        description.keyframes = vec![KeyframeRecord { name, coordinates }];
+        description.keyframes = vec![KeyframeRecord {
+            name,
+            coordinates,
+            velocities: Vec::new(),
+            ctrl: Vec::new(),
+            act: Vec::new(),
+        }];
         let options = ReadOptions {
             gravity: Some([0.0; 3]),
             mimic: Mimic::Follow,

@@ -115,6 +115,7 @@ const TABLE: &[Row] = &[
                 ("gravity", Exactly(3)),
                 ("density", Exactly(1)),
                 ("viscosity", Exactly(1)),
+                ("timestep", Exactly(1)),
                 ("cone", Word(&["pyramidal", "elliptic"])),
                 ("impratio", Exactly(1)),
                 ("integrator", Word(&["Euler", "RK4", "implicit", "implicitfast"])),
@@ -124,7 +125,7 @@ const TABLE: &[Row] = &[
                 ("o_friction", UpTo(5)),
                 ("actuatorgroupdisable", Any),
             ],
-            "timestep apirate tolerance ls_tolerance noslip_tolerance mpr_tolerance \
+            "apirate tolerance ls_tolerance noslip_tolerance mpr_tolerance \
              ccd_tolerance sleep_tolerance wind \
              magnetic collision jacobian solver iterations \
              ls_iterations noslip_iterations mpr_iterations ccd_iterations sdf_iterations \
@@ -584,8 +585,8 @@ const TABLE: &[Row] = &[
         parents: &["keyframe"],
         names: &["key"],
         treatment: Treatment::Read(
-            &[("name", Text), ("qpos", Any), ("qvel", Any)],
-            "time act ctrl mpos mquat plastic",
+            &[("name", Text), ("qpos", Any), ("qvel", Any), ("act", Any), ("ctrl", Any)],
+            "time mpos mquat plastic",
         ),
     },
 ];

@@ -75,6 +75,7 @@ impl<'e> Bodies<'e, '_, '_> {
         let mut soft = SoftConstraints {
             cone: settings.cone,
             integrator: integrator(settings),
+            time_step: Some(settings.time_step),
             impratio: settings.impratio,
             joint_limits: settings.limits,
             joint_friction: true,
