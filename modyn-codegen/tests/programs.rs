@@ -2,13 +2,14 @@
 
 use std::collections::BTreeSet;
 
+use modyn_codegen::graph::dense::DenseGraph;
 use modyn_codegen::graph::{Expr, Graph};
 use modyn_codegen::passes::{balance, optimize};
 use modyn_codegen::plan::{Choices, LIMB_LIMITS, Plan, Sizes};
 use modyn_codegen::program::{
     Execution, Operand, ProductBlock, Products, Program, RowEquations, Source,
 };
-use modyn_codegen::trace::{DenseGraph, LimbPacking, Tracer};
+use modyn_codegen::trace::{LimbPacking, Tracer};
 use modyn_codegen::{
     Base, Builder, CodeForm, Contact, ContactKind, Function, LoopEnd, ReadOptions, read,
 };

@@ -17,7 +17,7 @@ pub enum Layout {
 pub enum Class {
     /// A type of the package.
     Package(&'static str),
-    /// A type of the robot's own: that of a bundle's results.
+    /// A type of the robot's own: the type of a bundle's results.
     Bundle(&'static str),
 }
 
@@ -44,8 +44,8 @@ impl Leaf {
         states.into_iter().chain(self.axes.iter().map(|axis| axis.0)).collect()
     }
 
-    /// Returns the strides of the axes in bytes, after that of the states of a batch with `length`
-    /// numbers each.
+    /// Returns the strides of the axes in bytes. The first is the stride of the states of a batch
+    /// with `length` numbers each.
     pub fn strides<S>(&self, states: Option<usize>, length: usize) -> Vec<usize> {
         let strides = states.map(|_| length).into_iter().chain(self.axes.iter().map(|axis| axis.1));
         strides.map(|stride| stride * size_of::<S>()).collect()
@@ -72,7 +72,7 @@ fn layout(shape: &Shape, offset: usize, outer: &[(usize, usize)]) -> Layout {
     let leaf =
         |axes: &[(usize, usize)]| Layout::Array(Leaf { offset, axes: [outer, axes].concat() });
     let class = |record: &Record| match record {
-        Record::Own(name) => Some(Class::Bundle(name)),
+        Record::Bundle(name) => Some(Class::Bundle(name)),
         record => record.result_type().map(Class::Package),
     };
     match shape {

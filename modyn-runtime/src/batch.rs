@@ -328,11 +328,22 @@ pub fn run_each<F: Float, R, const A: usize, const I: usize, const O: usize, con
     results: &mut [R],
     parts: impl Fn(&mut R) -> [&mut [F]; P],
 ) -> Result<(), BatchError> {
-    each(kernel, arguments, (inputs, None, |_| []), results, parts)
+    let given = FlaggedStates { inputs, sets: None::<&[()]>, flags: |(): &()| [] };
+    run_each_flagged(kernel, arguments, given, results, parts)
 }
 
-/// Computes all states of a function with flags: those of a state are `flags` of its entry of
-/// `sets`, which are the last of the inputs.
+/// The states of a function with flags, each stored contiguously.
+#[doc(hidden)]
+pub struct FlaggedStates<'a, F, C, G, const A: usize> {
+    /// The arguments with all their entries, state by state.
+    pub inputs: [&'a [F]; A],
+    /// The set of each state, the last argument; `None` for a function without flags.
+    pub sets: Option<&'a [C]>,
+    /// Returns the flags of a set.
+    pub flags: G,
+}
+
+/// Computes all states of a function with flags, as [`run_each`] does.
 #[doc(hidden)]
 pub fn run_each_flagged<
     F: Float,
@@ -346,32 +357,12 @@ pub fn run_each_flagged<
 >(
     kernel: &impl Kernel<F, I, O, B>,
     arguments: &'static [Argument],
-    (inputs, sets, flags): ([&[F]; A], &[C], impl Fn(&C) -> [bool; B]),
+    given: FlaggedStates<'_, F, C, impl Fn(&C) -> [bool; B], A>,
     results: &mut [R],
     parts: impl Fn(&mut R) -> [&mut [F]; P],
 ) -> Result<(), BatchError> {
-    let of_state = |state: usize| sets.get(state).map_or([false; B], &flags);
-    each(kernel, arguments, (inputs, Some(sets.len()), of_state), results, parts)
-}
-
-/// Computes all states, each stored contiguously; `flags` returns the flags of a state, `sets` is
-/// their number.
-fn each<
-    F: Float,
-    R,
-    const A: usize,
-    const I: usize,
-    const O: usize,
-    const B: usize,
-    const P: usize,
->(
-    kernel: &impl Kernel<F, I, O, B>,
-    arguments: &'static [Argument],
-    (inputs, sets, flags): ([&[F]; A], Option<usize>, impl Fn(usize) -> [bool; B]),
-    results: &mut [R],
-    parts: impl Fn(&mut R) -> [&mut [F]; P],
-) -> Result<(), BatchError> {
-    let states = states_each(arguments, inputs, sets, results.len())?;
+    let FlaggedStates { inputs, sets, flags } = given;
+    let states = states_each(arguments, inputs, sets.map(<[C]>::len), results.len())?;
     let mut at = 0;
     let mut tile = Tile::<F, I, O, B>::new();
     while at < states {
@@ -384,7 +375,8 @@ fn each<
             first += numbers;
         }
         for lane in 0..MAX_LANES {
-            let of_state = flags(at + lane.min(count - 1));
+            let set = sets.and_then(|sets| sets.get(at + lane.min(count - 1)));
+            let of_state = set.map_or([false; B], &flags);
             for (column, flag) in tile.flags.iter_mut().zip(of_state) {
                 column[lane] = flag;
             }

@@ -179,7 +179,7 @@ pub struct Step<Q, V> {
 
 /// The state after a time step, and its derivatives in tangent space.
 ///
-/// The entries of a state are those of q, in tangent space, then those of qd.
+/// A state has the entries of q, in tangent space, then the entries of qd.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StepDerivatives<Q, V, A, B> {
     /// The coordinates after the step.
@@ -195,9 +195,9 @@ pub struct StepDerivatives<Q, V, A, B> {
 /// The state after a time step, and the gradients and the Hessian of costate^T state, in tangent
 /// space.
 ///
-/// The entries of a state are those of q, in tangent space, then those of qd. Matrices are arrays
-/// of columns: `dx_dtau[j][i]` is the second derivative with respect to entry i of the state and
-/// entry j of tau.
+/// A state has the entries of q, in tangent space, then the entries of qd. Matrices are arrays of
+/// columns: `dx_dtau[j][i]` is the second derivative with respect to entry i of the state and entry
+/// j of tau.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StepHessian<Q, V, Dx, Dtau, DxDx, DxDtau, DtauDtau> {
     /// The coordinates after the step.
@@ -386,7 +386,8 @@ pub struct ConstrainedForwardDynamicsDerivatives<V, W, M, D, T> {
     /// The accelerations, rad/s^2 or m/s^2.
     pub qdd: V,
     /// The wrench on each constraint's link, N m and N, in the axes of
-    /// [`ConstrainedForwardDynamics::wrenches`]. Its derivatives are those of its components.
+    /// [`ConstrainedForwardDynamics::wrenches`]. Its derivatives are the derivatives of its
+    /// components.
     pub wrenches: W,
     /// d qdd / d q, in tangent space.
     pub dq: M,

@@ -3,7 +3,9 @@
 #![cfg(feature = "std")]
 
 use modyn_runtime::batch::{Argument, Float, Inputs, Kernel, Lanes, Outputs, SimdLevel};
-use modyn_runtime::batch::{force_level, run, run_each, run_each_flagged, run_flagged};
+use modyn_runtime::batch::{
+    FlaggedStates, force_level, run, run_each, run_each_flagged, run_flagged,
+};
 
 /// The sum and the product of two numbers.
 struct Both;
@@ -74,7 +76,8 @@ fn every_length<F: Float + PartialEq + std::fmt::Debug>() {
         let inputs = ([&*a], [&*flags[0], &*flags[1]]);
         run_flagged(&Flagged, FLAGGED, inputs, [&mut out]).expect("as many of each");
         assert!((0..states).all(|i| out[i] == expected(i)), "{states} states");
-        let inputs = ([&*a], &*sets, |set: &[bool; 2]| *set);
+        let inputs =
+            FlaggedStates { inputs: [&*a], sets: Some(&*sets), flags: |set: &[bool; 2]| *set };
         run_each_flagged(&Flagged, FLAGGED, inputs, &mut same, |x| [std::slice::from_mut(x)])
             .expect("as many of each");
         assert_eq!(out, same);

@@ -85,7 +85,7 @@ impl<T: Copy> Values<T> {
 /// If there are more or fewer numbers.
 #[must_use]
 pub fn fields<T: Copy>(function: Function, sizes: &Sizes, numbers: &[T]) -> Vec<(String, Vec<T>)> {
-    let Shape::Record(Record::Several(_) | Record::Each(_), fields) =
+    let Shape::Record(Record::ResultsByType(_) | Record::ResultsByField(_), fields) =
         (function.row().result)(sizes)
     else {
         return vec![(function.name().into(), numbers.into())];

@@ -65,7 +65,7 @@ impl Fields<'_> {
     pub(super) fn type_name(self) -> String {
         match self.record {
             Record::Spatial(name) => name.into(),
-            Record::Own(name) => format!("{name}Results"),
+            Record::Bundle(name) => format!("{name}Results"),
             record => record.result_type().unwrap_or("Numbers").into(),
         }
     }

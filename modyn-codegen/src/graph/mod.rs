@@ -5,8 +5,10 @@
 //! an index into the graph that the current thread is [tracing](Graph::trace).
 
 mod arena;
+pub mod bodies;
 mod compose;
 mod count;
+pub mod dense;
 mod evaluate;
 pub(crate) mod limit;
 mod node;

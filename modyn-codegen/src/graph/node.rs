@@ -36,8 +36,8 @@ pub enum Node {
     Max(Id, Id),
     /// b if a >= 0, else c.
     Select(Id, Id, Id),
-    /// A pack of this many lanes: the first half are the lanes of a, the second half those of b. A
-    /// scalar fills its half.
+    /// A pack of this many lanes: the first half are the lanes of a, the second half the lanes of
+    /// b. A scalar fills its half.
     Pack(Id, Id, u8),
     /// This lane of a.
     ExtractLane(Id, u8),

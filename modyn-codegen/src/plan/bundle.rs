@@ -102,8 +102,8 @@ impl Member {
 }
 
 impl Bundle {
-    /// Returns the arguments of all members, each once: those of the table, then others of users'
-    /// functions.
+    /// Returns the arguments of all members, each once: the table's arguments, then other arguments
+    /// of users' functions.
     pub(super) fn arguments(&self) -> Vec<Argument> {
         let arguments = || self.members.iter().flat_map(|member| member.function.arguments());
         let of_a_member =
@@ -121,7 +121,7 @@ impl Bundle {
     pub(super) fn result(&self, sizes: &Sizes) -> Shape {
         let field = |member: &Member| (member.field, member.function.result(sizes));
         let name = intern(&names::type_name(self.name));
-        Shape::Record(Record::Own(name), self.members.iter().map(field).collect())
+        Shape::Record(Record::Bundle(name), self.members.iter().map(field).collect())
     }
 
     /// Returns whether a member of the table has this property.
@@ -135,7 +135,7 @@ impl Bundle {
         self.members.iter().any(|member| member.function.depends_on_parameters())
     }
 
-    /// Returns the forms that C can call: those of all members.
+    /// Returns the forms that C can call: the forms that all members have.
     pub(super) fn c_form(&self) -> CForm {
         match self.any(|function| Lowering::of(function).c_form == CForm::Source) {
             true => CForm::Source,

@@ -32,7 +32,7 @@ pub struct Choices {
 }
 
 impl Choices {
-    /// Returns the choices for machine code: functions of one state in place of those of many,
+    /// Returns the choices for machine code: functions of one state in place of functions of many,
     /// without shared routines and loops.
     #[must_use]
     pub fn of_machine_code(mut self) -> Self {

@@ -14,7 +14,7 @@ use crate::program::Execution;
 use crate::trace::{LimbLimits, LimbPacking, Parameters, Tracer};
 
 /// The limits of merging limbs: the lanes of the longest vectors, and for limbs on different bodies
-/// those of a vector on most processors. The lanes of a joint that a shorter chain lacks do
+/// the lanes of a vector on most processors. The lanes of a joint that a shorter chain lacks do
 /// nothing.
 pub const LIMB_LIMITS: LimbLimits = LimbLimits { packed: 8, joined: 4, missing: 2 };
 

@@ -15,10 +15,10 @@ use super::context::PlanContext;
 use super::functions::{Lowering, TraceDense};
 use super::packing;
 use super::planned::Kernels;
+use crate::graph::dense::{DenseGraph, RowForm};
 use crate::graph::{Graph, is_exceeded};
 use crate::passes::optimize;
 use crate::program::{Execution, Program, ROW_LANES};
-use crate::trace::{DenseGraph, RowForm};
 
 /// The least number of multiplications of products for which they are loops unless the user chooses
 /// short code. A quadruped on four feet has 32,000: loops have half of the code, and take no
@@ -28,9 +28,9 @@ use crate::trace::{DenseGraph, RowForm};
 /// 700: straight-line code is as quick when called cold.
 const MIN_PRODUCTS: usize = 2_500;
 
-/// The most operations, by their order, that machine code has for rows of any rank beside those of
-/// independent rows: they are not counted among the operations of a robot. It is reached by 48
-/// rows.
+/// The most operations, by their order, that machine code has for rows of any rank beside the
+/// operations for independent rows: they are not counted among the operations of a robot. It is
+/// reached by 48 rows.
 const MAX_ANY_RANK: usize = 125_000;
 
 /// Returns the programs of a function of constraints, or of its form for many states. `None` for

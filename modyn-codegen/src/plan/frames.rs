@@ -20,8 +20,8 @@ pub(crate) const MAX_OWN_FUNCTIONS: usize = 8;
 /// The program that a link has for a function of one link.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LinkProgram {
-    /// The index of the program: first those of links with a program of their own, then those of
-    /// bodies whose further links share one.
+    /// The index of the program: first the programs of single links, then the programs of bodies
+    /// whose further links share one.
     pub program: usize,
     /// The row of the table of placements, for a program that links share.
     pub placement: Option<usize>,

@@ -7,8 +7,9 @@ use modyn_runtime::equations::dynamics::{
 use modyn_runtime::quantities::{Argument, ArgumentKind, Function, Shape, Sizes};
 
 use super::PlanContext;
+use crate::graph::dense::DenseGraph;
 use crate::graph::{Expr, Graph};
-use crate::trace::{DenseGraph, Solvers, Tracer};
+use crate::trace::{Solvers, Tracer};
 
 /// The factors of the mass matrix, an argument of the functions of the factors.
 pub(super) const FACTORS: Argument = Argument { name: "factors", kind: ArgumentKind::Factors };
@@ -87,8 +88,8 @@ pub struct Lowering {
     pub rows: Option<TraceDense>,
     /// The graphs with products of matrices apart, and with independent constraint rows.
     pub products: Option<TraceDense>,
-    /// Other graphs of a function of one link, which share more with those of other functions of a
-    /// bundle.
+    /// Other graphs of a function of one link, which share more with the graphs of other functions
+    /// of a bundle.
     pub in_bundles: Option<fn(&Tracer<'_>) -> Graph>,
     /// The forms that C can call.
     pub c_form: CForm,

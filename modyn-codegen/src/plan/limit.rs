@@ -14,7 +14,7 @@ pub const MAX_OPERATIONS: usize = 800_000;
 /// The largest number of nodes that are traced for one function, of all candidates together.
 pub(super) const MAX_NODES: usize = 4 * MAX_OPERATIONS;
 
-/// The number of numbers of a result whose text is as long as that of an operation. Most of a long
+/// The number of numbers of a result whose text is as long as an operation's text. Most of a long
 /// result are zeros.
 pub(super) const RESULTS: usize = 8;
 

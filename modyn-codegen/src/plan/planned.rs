@@ -93,8 +93,8 @@ impl Planned {
         matches!(self.kernels, Kernels::ByLink(_))
     }
 
-    /// Returns the lengths of the arrays of arguments, with that of the run-time parameters if
-    /// there are some.
+    /// Returns the lengths of the arrays of arguments, the array of run-time parameters included if
+    /// there is one.
     #[must_use]
     pub fn lengths(&self) -> Vec<usize> {
         let lengths = self.arguments.iter().map(|(_, shape)| shape.len());
@@ -102,7 +102,7 @@ impl Planned {
     }
 
     /// Returns the result for these arguments, one after the other, by the evaluation of programs
-    /// without packs: the reference for back ends. `link` is that of a function of one link.
+    /// without packs: the reference for back ends. `link` is the link of a function of one link.
     ///
     /// # Panics
     ///
@@ -141,15 +141,15 @@ impl Planned {
     pub fn rollout(&self) -> Option<String> {
         match self.result {
             _ if self.function.is_none() => None,
-            Shape::Record(Record::Each("Step" | "StepSolution" | "ActuatedStep"), _) => {
+            Shape::Record(Record::ResultsByField("Step" | "StepSolution" | "ActuatedStep"), _) => {
                 Some(self.name.replacen("step", "rollout", 1))
             }
             _ => None,
         }
     }
 
-    /// Returns the operations of one call on scalars; for a function of one link, those of the most
-    /// expensive link.
+    /// Returns the operations of one call on scalars; for a function of one link, the operations of
+    /// the most expensive link.
     #[must_use]
     pub fn operations_per_call(&self) -> OperationCount {
         match &self.kernels {

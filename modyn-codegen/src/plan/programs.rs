@@ -17,6 +17,7 @@ use super::looped;
 use super::packing::{self, COLUMN_LANES};
 use super::planned::{Kernels, Planned};
 use super::user::{TracedForm, TracedFunction};
+use super::wrapped::docs_of;
 use crate::graph::Graph;
 use crate::intern::intern;
 use crate::passes::{balance, optimize};
@@ -104,7 +105,7 @@ impl Planned {
             function: Some(function),
             name: function.name(),
             batch_of: row.batch_of.map(Function::name),
-            docs: row.docs,
+            docs: docs_of(function),
             fields: Vec::new(),
             c_form: lowering.c_form,
             arguments,

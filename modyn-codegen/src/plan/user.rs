@@ -73,7 +73,7 @@ impl UserForm {
     pub const ALL: [Self; 6] =
         [Self::Value, Self::Jvp, Self::Vjp, Self::Gradient, Self::Jacobian, Self::Hessian];
 
-    /// Returns the end of the form's name, after that of the function.
+    /// Returns the end of the form's name, after the function's name.
     #[must_use]
     pub const fn suffix(self) -> &'static str {
         match self {
@@ -193,7 +193,7 @@ impl NamedFunction {
         self.arguments.iter().filter(|argument| argument.is_variable())
     }
 
-    /// Returns the names of the arguments of all forms, those of the function first.
+    /// Returns the names of the arguments of all forms, the function's arguments first.
     pub(crate) fn argument_names(&self) -> Vec<String> {
         let argument_names = self.arguments.iter().map(|argument| argument.name().to_string());
         let mut names: Vec<String> = argument_names.collect();
@@ -288,7 +288,7 @@ impl NamedFunction {
         let (result, docs) = match form {
             UserForm::Value => (value_shape(count), printable(&self.docs)),
             _ => {
-                let record = Record::Own(intern(&names::type_name(name)));
+                let record = Record::Bundle(intern(&names::type_name(name)));
                 let shapes = fields.iter().map(|(name, shape, _)| (*name, shape.clone()));
                 (Shape::Record(record, shapes.collect()), self.derivative_docs(&docs, &sum))
             }

@@ -1,5 +1,14 @@
 //! Texts in lines, for documentation.
 
+use modyn_runtime::quantities::Function;
+
+use crate::intern::intern;
+
+/// Returns the documentation of a function of the table, in lines.
+pub(super) fn docs_of(function: Function) -> &'static str {
+    intern(&wrapped(function.row().docs))
+}
+
 /// Returns a text in lines of at most 110 characters.
 pub(super) fn wrapped(text: &str) -> String {
     let mut result = String::new();

@@ -12,8 +12,8 @@ pub struct AroundLoops<'a> {
     pub before: Program,
     /// The loops.
     pub loops: &'a Loops,
-    /// What runs after. Arguments: those of the program, the results of the loops, then the values
-    /// that `before` computes for it.
+    /// What runs after. Arguments: the program's arguments, the results of the loops, then the
+    /// values that `before` computes for it.
     pub after: Program,
 }
 

@@ -19,7 +19,7 @@ use super::{
     Source, Statement, Step, Table, Value, Write,
 };
 use crate::graph::Graph;
-use crate::trace::BodyGraphs;
+use crate::graph::bodies::BodyGraphs;
 use cut::{BodyRead, BodyStep, BodyWrite, Kind, Number};
 use order::runs;
 use slots::Slots;
@@ -28,8 +28,8 @@ use slots::Slots;
 const RECORDS: usize = 0;
 const RESULT: usize = 1;
 
-/// The columns of the tables: the row of a body's record, that of its parent's record, the body's
-/// first entry of q, and its first entry of the other joint vectors.
+/// The columns of the tables: the row of a body's record, the row of its parent's record, the
+/// body's first entry of q, and its first entry of the other joint vectors.
 const OWN: usize = 0;
 const PARENT: usize = 1;
 const Q: usize = 2;
@@ -48,8 +48,8 @@ pub struct RecursionSizes {
 }
 
 impl RecursionSizes {
-    /// Returns the index of the first number of a joint vector among the arguments, or that of the
-    /// parameters.
+    /// Returns the index of the first number of a joint vector among the arguments, or the index of
+    /// the parameters.
     fn start(self, argument: usize) -> usize {
         if argument == 0 { 0 } else { self.nq + (argument - 1) * self.nv }
     }

@@ -13,7 +13,7 @@ impl Program {
         self.own_operations() + loops + products.sum()
     }
 
-    /// Returns the operations in the program's text; those of routines count once.
+    /// Returns the operations in the program's text; the operations of a routine count once.
     #[must_use]
     pub fn static_operations(&self) -> OperationCount {
         let routines = self.routines.iter().map(|routine| routine.program.static_operations());

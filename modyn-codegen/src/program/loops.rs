@@ -233,8 +233,8 @@ impl Table {
 }
 
 impl Loops {
-    /// Returns the operations of all iterations; of a loop that may end early, those of one.
-    /// Additions to entries count.
+    /// Returns the operations of all iterations; of a loop that may end early, the operations of
+    /// one iteration. Additions to entries count.
     pub(super) fn operations(&self, program: &Program) -> OperationCount {
         operations(&self.steps, program)
     }

@@ -7,8 +7,8 @@ use super::{
     Addend, Execution, InvalidProgram, LoopForm, Loops, MultiplyAdd, Operand, Operation, Products,
     Program, RowEquations, Source, Statement, Stored, Value, outline,
 };
+use crate::graph::dense::{DenseGraph, RowForm};
 use crate::graph::{Graph, Id, Node};
-use crate::trace::{DenseGraph, RowForm};
 
 /// The message of a panic about an invalid program.
 const FAULT: &str = "a fault of modyn: please report it";

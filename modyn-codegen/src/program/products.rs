@@ -16,7 +16,7 @@ use std::ops::Range;
 use modyn_runtime::{OperationCount, Scalar};
 
 use super::{Execution, Operand, Program, Source};
-use crate::trace::{ProductForm, Target};
+use crate::graph::dense::{ProductForm, ProductTarget};
 
 /// The lanes of a vector of rows.
 pub const ROW_LANES: usize = 4;
@@ -32,10 +32,10 @@ pub struct Products {
     pub rows: usize,
     /// The number of columns of A, and of rows of each B.
     pub terms: usize,
-    /// The entries of A, then those of each B, by columns.
+    /// The entries of A, then the entries of each B, by columns.
     pub entries: Vec<Operand>,
     /// For each B, the results to which the rows of A B are added.
-    pub targets: Vec<Vec<Target>>,
+    pub targets: Vec<Vec<ProductTarget>>,
     /// The columns with nonzeros.
     pub blocks: Vec<ProductBlock>,
     /// The index of the first result of A where A is a matrix of results, and each B has the form
@@ -138,7 +138,7 @@ impl Products {
 
     /// Returns the addends of products in place: the index of the result, and the number. The
     /// addends of the first list are added before the sums with transposes, which complete
-    /// symmetric matrices; those of the second list after these sums.
+    /// symmetric matrices; the addends of the second list after these sums.
     #[must_use]
     pub fn addends(&self, results: &[Operand]) -> [Vec<(usize, Operand)>; 2] {
         let mut addends = [Vec::new(), Vec::new()];
@@ -169,7 +169,12 @@ impl Products {
     /// Returns whether the numbers are zero to which a block's product is added: it is stored in
     /// their place.
     #[must_use]
-    pub fn replaces(&self, block: &ProductBlock, target: &Target, results: &[Operand]) -> bool {
+    pub fn replaces(
+        &self,
+        block: &ProductBlock,
+        target: &ProductTarget,
+        results: &[Operand],
+    ) -> bool {
         let is_only = self.targets.iter().flatten().filter(|other| other.first == target.first);
         is_only.count() == 1 && target.of(block).all(|result| is_zero(&results[result]))
     }
@@ -182,7 +187,7 @@ impl Products {
     }
 
     /// Returns each block with each target.
-    fn parts(&self) -> impl Iterator<Item = (&ProductBlock, &Target)> {
+    fn parts(&self) -> impl Iterator<Item = (&ProductBlock, &ProductTarget)> {
         let targets = self.targets.iter().flatten();
         targets.flat_map(|target| self.blocks.iter().map(move |block| (block, target)))
     }
@@ -201,7 +206,7 @@ impl Products {
             return None;
         }
         let firsts = self.targets.iter().map(|targets| {
-            let square = Target::square(targets.first()?.first, n);
+            let square = ProductTarget::square(targets.first()?.first, n);
             let both = [square.clone(), square.clone().transposed()];
             (*targets == both || *targets == both[..1]).then_some(square.first)
         });
@@ -251,7 +256,7 @@ impl Products {
         &self,
         results: &[Operand],
         transpose: usize,
-        of_block: fn(&ProductBlock, &Target) -> usize,
+        of_block: fn(&ProductBlock, &ProductTarget) -> usize,
     ) -> usize {
         if self.in_place.is_some() {
             let numbers: usize = self.addends(results).iter().map(Vec::len).sum();
@@ -325,7 +330,7 @@ impl Products {
             return Some("the matrices of products are whole");
         }
         let are_results = self.targets.iter().flatten().all(|target| {
-            let Target { rows: Range { start, end }, first, by_row, by_column } = *target;
+            let ProductTarget { rows: Range { start, end }, first, by_row, by_column } = *target;
             let extent = |count: usize, by: usize| count.checked_sub(1)?.checked_mul(by);
             let extents = extent(end.saturating_sub(start), by_row).zip(extent(columns, by_column));
             let last = extents.and_then(|(a, b)| first.checked_add(a)?.checked_add(b));
@@ -383,7 +388,7 @@ impl Products {
     }
 }
 
-impl Target {
+impl ProductTarget {
     /// Returns the rows of the target that a block has.
     pub(crate) fn rows_of(&self, block: &ProductBlock) -> Range<usize> {
         self.rows.start.max(block.rows.start)..self.rows.end.min(block.rows.end)

@@ -71,7 +71,7 @@ enum Zone {
     Front,
     Advance,
     Search,
-    /// The inputs of the solution, or those of a full step whose results no iteration needs.
+    /// The inputs of the solution, or the inputs of a full step whose results no iteration needs.
     Solution,
     Results,
 }

@@ -24,7 +24,7 @@ use super::{
     Addend, Execution, MultiplyAdd, Operand, Operation, Products, Program, RowEquations, Source,
     Statement, Value,
 };
-use crate::trace::{ProductForm, Target};
+use crate::graph::dense::{ProductForm, ProductTarget};
 
 impl Execution {
     const NAMES: [(&'static str, Self); 4] = [
@@ -75,7 +75,7 @@ impl fmt::Display for Products {
         let (a, others) = entries.split_at(rows * terms);
         writeln!(f, "products {rows}, {}", list(a))?;
         for (b, targets) in others.chunks(terms * self.columns()).zip(targets) {
-            let target = |Target { rows, first, by_row, by_column }: &Target| {
+            let target = |ProductTarget { rows, first, by_row, by_column }: &ProductTarget| {
                 format!("{rows:?}:{first}+{by_row}+{by_column}")
             };
             let targets: Vec<String> = targets.iter().map(target).collect();
@@ -484,11 +484,13 @@ fn values(program: &Program) -> Vec<Value> {
 }
 
 /// Returns the results to which rows of products are added.
-fn target(text: &str) -> Option<Target> {
+fn target(text: &str) -> Option<ProductTarget> {
     let (rows, places) = text.split_once(':')?;
     let places: Option<Vec<usize>> = places.split('+').map(|place| place.parse().ok()).collect();
     match *places? {
-        [first, by_row, by_column] => Some(Target { rows: range(rows)?, first, by_row, by_column }),
+        [first, by_row, by_column] => {
+            Some(ProductTarget { rows: range(rows)?, first, by_row, by_column })
+        }
         _ => None,
     }
 }

@@ -76,12 +76,11 @@ impl Composition {
 
     /// Returns the pack of these numbers; copies of the last one fill it up to a power of two.
     pub(super) fn pack(&mut self, numbers: &[Id]) -> Id {
-        let (&[first, ..], Some(&last)) = (numbers, numbers.last()) else {
-            unreachable!("a pack has numbers")
+        let (first, last) = match *numbers {
+            [number] => return number,
+            [first, .., last] => (first, last),
+            [] => unreachable!("a pack has numbers"),
         };
-        if numbers.len() == 1 {
-            return first;
-        }
         let width = numbers.len().next_power_of_two();
         // The lanes of a pack that are unpacked and packed again.
         if let Node::ExtractLane(whole, _) = self.graph.node(first)

@@ -16,9 +16,9 @@ use modyn_runtime::mechanism::{Mechanism, MergedMechanism};
 use modyn_runtime::spatial::{Twist, Vector3, Wrench};
 use modyn_runtime::{ConstraintSettings, ContactTarget, Scalar};
 
-use super::dense::{DenseGraph, ProductForm, RowForm, Target};
 use super::limbs::ContactPacking;
 use super::{LimbPacking, Tracer};
+use crate::graph::dense::{DenseGraph, ProductForm, ProductTarget, RowForm};
 use crate::graph::{Expr, Graph};
 
 /// The form of equations of dependent rows that are solved apart from a graph.
@@ -239,7 +239,7 @@ impl Tracer<'_> {
                         (wrenches + k / 6 * 6 * n + k % 6, 6)
                     }
                 };
-                Target::of_rows(rows.iter().map(|&row| place(row)))
+                ProductTarget::of_rows(rows.iter().map(|&row| place(row)))
             });
             let terms = map.len() / height;
             let results = height * (1 + 3 * n) + 1;

@@ -8,7 +8,7 @@ use modyn_runtime::equations::{ForwardInput, Motion, Workspace};
 use modyn_runtime::mechanism::MergedMechanism;
 
 use super::Tracer;
-use super::dense::{DenseGraph, ProductForm, Target};
+use crate::graph::dense::{DenseGraph, ProductForm, ProductTarget};
 use crate::graph::{Expr, Graph};
 
 impl Tracer<'_> {
@@ -81,7 +81,8 @@ impl Tracer<'_> {
                 [qdd, fall_dq, fall_dqd, dtau.clone(), dtau, sparse(dq), sparse(dqd)].concat()
             }),
         };
-        let targets = [0, 1].map(|matrix| vec![Target::square(n + matrix * n * n, n)]).to_vec();
+        let targets =
+            [0, 1].map(|matrix| vec![ProductTarget::square(n + matrix * n * n, n)]).to_vec();
         let form = ProductForm { rows: n, terms: n, results: n + 3 * n * n, targets };
         DenseGraph { graph, rows: None, products: Some(form) }
     }

@@ -5,7 +5,6 @@ mod composition;
 mod constraint_hessians;
 mod constraints;
 mod coordinates;
-mod dense;
 mod derivatives;
 mod dynamics;
 mod entries;
@@ -30,11 +29,9 @@ use modyn_runtime::mechanism::{BodyFrame, Mechanism, MergedMechanism};
 
 use crate::graph::{Expr, ForeignExpr, Graph};
 
-pub use dense::{DenseGraph, ProductForm, RowForm, Target};
 pub use entries::{EntryDerivatives, EntryForm, second_derivatives};
 pub use evaluation::Solvers;
 pub use limbs::{LimbLimits, LimbPacking};
-pub use looped::{BodyGraphs, BodyKind, LoopedBody};
 pub use parameters::Parameters;
 pub use soft_steps::{DerivativeForm, Drive, EliminationOf, Part, SEARCH, SolverParts, StepGraph};
 pub use tangent::{TangentGraphs, TangentInput};

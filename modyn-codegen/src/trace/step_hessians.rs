@@ -109,7 +109,8 @@ impl Tracer<'_> {
             }
             let curvature = self.curvature(&mut all, block, &moved);
             let rates = [by_q, by_qd, by_tau];
-            add_curvature(&mut all, (block, &groups), dt, &curvature, &rates, &mut blocks);
+            let correction = Correction { block, groups: &groups, dt, curvature, rates };
+            correction.add_to(&mut all, &mut blocks);
         }
         let [q_q, q_qd, qd_qd, q_tau, qd_tau, tau_tau] = blocks;
         let column = |columns: &[Id], j: usize| columns[j * nv..][..nv].to_vec();
@@ -200,73 +201,80 @@ impl Tracer<'_> {
     }
 }
 
-/// Adds the correction of a rotation or a pose to the blocks of a Hessian. `rates` has the group's
-/// rows of the derivatives of qd' by q, qd and tau. The entries of each of `groups` share the lanes
-/// of a pack.
-fn add_curvature(
-    all: &mut Composition,
-    (block, groups): (&Coordinates<f64>, &[Vec<usize>]),
+/// The correction of a Hessian for a rotation or a pose.
+struct Correction<'a> {
+    block: &'a Coordinates<f64>,
+    /// The columns that share the lanes of a pack.
+    groups: &'a [Vec<usize>],
     dt: Id,
-    Curvature { quadratic, bracket }: &Curvature,
-    rates: &[Vec<Id>; 3],
-    blocks: &mut [Vec<Id>; 6],
-) {
-    let size = block.velocities();
-    let nv = rates[Q].len() / size;
-    let half = all.constant(0.5);
-    let square = all.product(dt, dt);
-    let half = all.product(half, dt);
-    let row =
-        |matrix: &[Id], i: usize| -> Vec<Id> { (0..size).map(|k| matrix[k * size + i]).collect() };
-    // The columns of each group in lanes.
-    let packed: [Vec<Vec<Id>>; 3] = rates.each_ref().map(|columns| {
-        let pack = |group: &Vec<usize>| {
-            let entry = |k: usize| group.iter().map(move |&j| columns[j * size + k]);
-            (0..size).map(|k| all.pack(&entry(k).collect::<Vec<_>>())).collect()
+    curvature: Curvature,
+    /// The block's rows of the derivatives of qd' by q, qd and tau.
+    rates: [Vec<Id>; 3],
+}
+
+impl Correction<'_> {
+    /// Adds the correction to the blocks of a Hessian.
+    fn add_to(self, all: &mut Composition, blocks: &mut [Vec<Id>; 6]) {
+        let Self { block, groups, dt, curvature: Curvature { quadratic, bracket }, rates } = self;
+        let size = block.velocities();
+        let nv = rates[Q].len() / size;
+        let half = all.constant(0.5);
+        let square = all.product(dt, dt);
+        let half_dt = all.product(half, dt);
+        let row = |matrix: &[Id], i: usize| -> Vec<Id> {
+            (0..size).map(|k| matrix[k * size + i]).collect()
         };
-        groups.iter().map(pack).collect()
-    });
-    // A square matrix of the rotation or pose times the rows of a variable.
-    let mut times = |factor: Id, matrix: &[Id]| -> [Vec<Id>; 3] {
-        let rows: Vec<Vec<Id>> = (0..size).map(|i| all.scaled(factor, &row(matrix, i))).collect();
-        packed.each_ref().map(|packed| {
-            let mut entries = vec![dt; nv * size];
-            for (columns, group) in packed.iter().zip(groups) {
-                for (k, row) in rows.iter().enumerate() {
-                    let entry = all.dot(row, columns);
-                    for (lane, &j) in group.iter().enumerate() {
-                        entries[j * size + k] = all.lane(entry, lane);
+        // The columns of each group in lanes.
+        let packed: [Vec<Vec<Id>>; 3] = rates.each_ref().map(|columns| {
+            let pack = |group: &Vec<usize>| {
+                let entry = |k: usize| group.iter().map(move |&j| columns[j * size + k]);
+                (0..size).map(|k| all.pack(&entry(k).collect::<Vec<_>>())).collect()
+            };
+            groups.iter().map(pack).collect()
+        });
+        // A square matrix of the rotation or pose times the rows of a variable.
+        let mut times = |factor: Id, matrix: &[Id]| -> [Vec<Id>; 3] {
+            let rows: Vec<Vec<Id>> =
+                (0..size).map(|i| all.scaled(factor, &row(matrix, i))).collect();
+            packed.each_ref().map(|packed| {
+                let mut entries = vec![dt; nv * size];
+                for (columns, group) in packed.iter().zip(groups) {
+                    for (k, row) in rows.iter().enumerate() {
+                        let entry = all.dot(row, columns);
+                        for (lane, &j) in group.iter().enumerate() {
+                            entries[j * size + k] = all.lane(entry, lane);
+                        }
                     }
                 }
-            }
-            entries
-        })
-    };
-    let curved = times(square, quadratic);
-    let turned = times(half, bracket);
-    for ((a, b), entries) in PAIRS.into_iter().zip(blocks) {
-        for column in 0..nv {
-            let height = if a == b { column + 1 } else { nv };
-            let mut sums = BTreeMap::new();
-            for (rows, group) in packed[a].iter().zip(groups) {
-                if group.iter().any(|&row| row < height) {
-                    let sum = all.dot(rows, &curved[b][column * size..][..size]);
-                    let lanes = group.iter().enumerate();
-                    sums.extend(lanes.map(|(lane, &row)| (row, all.lane(sum, lane))));
+                entries
+            })
+        };
+        let curved = times(square, &quadratic);
+        let turned = times(half_dt, &bracket);
+        for ((a, b), entries) in PAIRS.into_iter().zip(blocks) {
+            for column in 0..nv {
+                let height = if a == b { column + 1 } else { nv };
+                let mut sums = BTreeMap::new();
+                for (rows, group) in packed[a].iter().zip(groups) {
+                    if group.iter().any(|&row| row < height) {
+                        let sum = all.dot(rows, &curved[b][column * size..][..size]);
+                        let lanes = group.iter().enumerate();
+                        sums.extend(lanes.map(|(lane, &row)| (row, all.lane(sum, lane))));
+                    }
                 }
-            }
-            for (row, mut sum) in sums.into_iter().filter(|&(row, _)| row < height) {
-                let in_group = |entry: usize| entry.checked_sub(block.v).filter(|&k| k < size);
-                if let Some(k) = in_group(row).filter(|_| a == Q) {
-                    sum = all.sum(sum, turned[b][column * size + k]);
-                }
-                if let Some(k) = in_group(column).filter(|_| b == Q) {
-                    sum = all.sum(sum, turned[a][row * size + k]);
-                }
-                let entry = all.sum(entries[column * nv + row], sum);
-                entries[column * nv + row] = entry;
-                if a == b {
-                    entries[row * nv + column] = entry;
+                for (row, mut sum) in sums.into_iter().filter(|&(row, _)| row < height) {
+                    let in_group = |entry: usize| entry.checked_sub(block.v).filter(|&k| k < size);
+                    if let Some(k) = in_group(row).filter(|_| a == Q) {
+                        sum = all.sum(sum, turned[b][column * size + k]);
+                    }
+                    if let Some(k) = in_group(column).filter(|_| b == Q) {
+                        sum = all.sum(sum, turned[a][row * size + k]);
+                    }
+                    let entry = all.sum(entries[column * nv + row], sum);
+                    entries[column * nv + row] = entry;
+                    if a == b {
+                        entries[row * nv + column] = entry;
+                    }
                 }
             }
         }

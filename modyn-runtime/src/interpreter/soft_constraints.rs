@@ -370,11 +370,10 @@ impl SoftModel<f64> {
             joints[dof] = Some(JointParameters { coordinate: coordinates.start, stops });
         }
         let soft = model.soft_constraints();
-        let tendons = soft.tendons.iter();
-        let tendons: Vec<_> = tendons.map(|tendon| mobilities.tendon(model, tendon)).collect();
-        let couplings = soft.couplings.iter();
-        let couplings =
-            couplings.filter_map(|coupling| mobilities.coupling(model, coupling)).collect();
+        let tendons: Vec<_> =
+            soft.tendons.iter().map(|tendon| mobilities.tendon(model, tendon)).collect();
+        let acting = |coupling| mobilities.coupling(model, coupling);
+        let couplings = soft.couplings.iter().filter_map(acting).collect();
         let mass: f64 = model.links().iter().map(|link| link.inertial.mass).sum();
         let SoftConstraints { cone, integrator, .. } = *model.soft_constraints();
         SoftModel {

@@ -88,8 +88,8 @@ impl<S: LaneScalar> MergedMechanism<S> {
     /// the bodies are. For each contact of the robot, `lanes` has its index in `contacts` and its
     /// lane.
     ///
-    /// The limbs that carry contacts must have one parent: a contact's kinematic path is that of
-    /// the representative.
+    /// The limbs that carry contacts must have one parent: a contact's kinematic path is the
+    /// representative's path.
     #[must_use]
     pub fn with_contacts(
         mut self,

@@ -35,20 +35,20 @@ pub enum Record {
     /// A rotation and a translation.
     Pose,
     /// A type of the runtime's root that is generic over the scalar only, by its name.
-    Plain(&'static str),
+    OfScalar(&'static str),
     /// The factors of the mass matrix.
     Factorization,
     /// The set of active contacts: a number for each contact, 1 if it is active, else 0.
     Contacts,
     /// The results of a function with several results, or its settings, by name. The type is
     /// generic over the different types of its fields.
-    Several(&'static str),
+    ResultsByType(&'static str),
     /// The results of a function with several results, by name. The type is generic over the type
     /// of each field.
-    Each(&'static str),
+    ResultsByField(&'static str),
     /// The results of a bundle, by the end of the type's name. The type belongs to the robot, and
     /// is generic over the scalar.
-    Own(&'static str),
+    Bundle(&'static str),
 }
 
 impl Record {
@@ -59,9 +59,10 @@ impl Record {
         match self {
             Self::Spatial(_) | Self::Factorization | Self::Contacts => None,
             Self::Pose => Some("Pose"),
-            Self::Plain(name) | Self::Several(name) | Self::Each(name) | Self::Own(name) => {
-                Some(name)
-            }
+            Self::OfScalar(name)
+            | Self::ResultsByType(name)
+            | Self::ResultsByField(name)
+            | Self::Bundle(name) => Some(name),
         }
     }
 }

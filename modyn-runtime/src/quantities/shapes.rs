@@ -127,13 +127,16 @@ pub fn forward_hessian(s: &Sizes) -> Shape {
 }
 
 pub fn step(s: &Sizes) -> Shape {
-    Shape::Record(Record::Each("Step"), vec![("q", coordinates(s)), ("qd", velocities(s))])
+    Shape::Record(
+        Record::ResultsByField("Step"),
+        vec![("q", coordinates(s)), ("qd", velocities(s))],
+    )
 }
 
 pub fn step_derivatives(s: &Sizes) -> Shape {
     let matrices = [("a", Shape::matrix(2 * s.nv, 2 * s.nv)), ("b", Shape::matrix(s.nv, 2 * s.nv))];
     let state = [("q", coordinates(s)), ("qd", velocities(s))];
-    Shape::Record(Record::Each("StepDerivatives"), [state, matrices].concat())
+    Shape::Record(Record::ResultsByField("StepDerivatives"), [state, matrices].concat())
 }
 
 pub fn step_hessian(s: &Sizes) -> Shape {
@@ -146,7 +149,7 @@ pub fn step_hessian(s: &Sizes) -> Shape {
         ("dx_dtau", Shape::matrix(s.nv, 2 * s.nv)),
         ("dtau_dtau", square(s)),
     ];
-    Shape::Record(Record::Each("StepHessian"), fields)
+    Shape::Record(Record::ResultsByField("StepHessian"), fields)
 }
 
 pub fn constrained(s: &Sizes) -> Shape {
@@ -191,7 +194,7 @@ pub fn step_solution(s: &Sizes) -> Shape {
     let motion = [("q", coordinates(s)), ("qd", velocities(s)), ("qdd", velocities(s))];
     let solver = [("residual", Shape::Scalar), ("iterations", Shape::Scalar)];
     let forces = [("forces", point_forces(s))];
-    Shape::Record(Record::Each("StepSolution"), [&motion[..], &forces, &solver].concat())
+    Shape::Record(Record::ResultsByField("StepSolution"), [&motion[..], &forces, &solver].concat())
 }
 
 pub fn linearized_step(s: &Sizes) -> Shape {
@@ -200,7 +203,7 @@ pub fn linearized_step(s: &Sizes) -> Shape {
     let matrices = [("a", Shape::matrix(2 * s.nv, 2 * s.nv)), ("b", Shape::matrix(s.nv, 2 * s.nv))];
     let solver = [("residual", Shape::Scalar), ("iterations", Shape::Scalar)];
     Shape::Record(
-        Record::Each("LinearizedStep"),
+        Record::ResultsByField("LinearizedStep"),
         [&motion[..], &forces, &matrices, &solver].concat(),
     )
 }
@@ -209,7 +212,10 @@ pub fn actuated_step(s: &Sizes) -> Shape {
     let motion = [("q", coordinates(s)), ("qd", velocities(s)), ("act", activations(s))];
     let solution = [("qdd", velocities(s)), ("forces", point_forces(s))];
     let solver = [("residual", Shape::Scalar), ("iterations", Shape::Scalar)];
-    Shape::Record(Record::Each("ActuatedStep"), [&motion[..], &solution, &solver].concat())
+    Shape::Record(
+        Record::ResultsByField("ActuatedStep"),
+        [&motion[..], &solution, &solver].concat(),
+    )
 }
 
 pub fn linearized_actuated_step(s: &Sizes) -> Shape {
@@ -219,14 +225,14 @@ pub fn linearized_actuated_step(s: &Sizes) -> Shape {
     let matrices = [("a", Shape::matrix(states, states)), ("b", Shape::matrix(s.controls, states))];
     let solver = [("residual", Shape::Scalar), ("iterations", Shape::Scalar)];
     Shape::Record(
-        Record::Each("LinearizedActuatedStep"),
+        Record::ResultsByField("LinearizedActuatedStep"),
         [&motion[..], &solution, &matrices, &solver].concat(),
     )
 }
 
 pub fn actuator_forces(s: &Sizes) -> Shape {
     let fields = vec![("tau", velocities(s)), ("act", activations(s))];
-    Shape::Record(Record::Each("ActuatorForces"), fields)
+    Shape::Record(Record::ResultsByField("ActuatorForces"), fields)
 }
 
 pub fn constrained_torques(s: &Sizes) -> Shape {
@@ -294,7 +300,7 @@ pub fn settings(s: &Sizes) -> Shape {
         vec![("pose", Shape::pose()), ("velocity", Shape::twist())],
         scalars(&["tangential", "alpha", "beta", "compliance", "restitution", "weight"]),
     ];
-    let target = Shape::Record(Record::Plain("ContactTarget"), target_fields.concat());
+    let target = Shape::Record(Record::OfScalar("ContactTarget"), target_fields.concat());
     let mut fields = scalars(&["alpha", "beta", "tolerance", "rounding"]);
     fields.push(("contacts", target.array(s.contacts)));
     named_fields("ConstraintSettings", fields)
@@ -311,7 +317,7 @@ pub fn step_settings(s: &Sizes) -> Shape {
         ("solref", Shape::vector(2)),
         ("solimp", Shape::vector(4)),
     ];
-    let surface = Shape::Record(Record::Plain("ContactSurface"), surface_fields);
+    let surface = Shape::Record(Record::OfScalar("ContactSurface"), surface_fields);
     let fields = vec![
         ("tolerance", Shape::Scalar),
         ("impratio", Shape::Scalar),
@@ -321,7 +327,7 @@ pub fn step_settings(s: &Sizes) -> Shape {
 }
 
 fn named_fields(name: &'static str, fields: Vec<(&'static str, Shape)>) -> Shape {
-    Shape::Record(Record::Several(name), fields)
+    Shape::Record(Record::ResultsByType(name), fields)
 }
 
 /// Returns the layout of joint vectors.

@@ -26,10 +26,9 @@ pub const ROWS: &[Row] = &[
         result: shapes::velocities,
         result_name: Some("qdd"),
         docs: "Returns the joint accelerations (rad/s^2 or m/s^2) at the coordinates `q` and \
-            velocities `qd` under the\n\
-            joint forces `tau` (N m or N), gravity included. The method is block reverse Gaussian \
-            elimination of the\n\
-            mass matrix by inter- and intra-modular recursion.",
+            velocities `qd` under the joint forces `tau` (N m or N), gravity included. The method \
+            is block reverse Gaussian elimination of the mass matrix by inter- and intra-modular \
+            recursion.",
         default: true,
         hot: true,
         casadi: true,
@@ -44,8 +43,7 @@ pub const ROWS: &[Row] = &[
         result: shapes::velocities,
         result_name: Some("tau"),
         docs: "Returns the joint forces (N m or N) of the accelerations `qdd` at the coordinates \
-            `q` and velocities\n\
-            `qd`, gravity included, by the recursive Newton-Euler algorithm.",
+            `q` and velocities `qd`, gravity included, by the recursive Newton-Euler algorithm.",
         default: true,
         hot: true,
         casadi: true,
@@ -59,9 +57,8 @@ pub const ROWS: &[Row] = &[
         arguments: &[Q, QD],
         result: shapes::velocities,
         docs: "Returns the bias forces (N m or N): inverse dynamics at zero acceleration. They are \
-            the Coriolis,\n\
-            centrifugal and gravity forces and the forces of springs, with damping and friction if \
-            these are enabled.",
+            the Coriolis, centrifugal and gravity forces and the forces of springs, with damping \
+            and friction if these are enabled.",
         default: true,
         hot: true,
         casadi: true,
@@ -101,8 +98,8 @@ pub const ROWS: &[Row] = &[
         arguments: &[Q, QD],
         result: shapes::square,
         docs: "Returns the Coriolis matrix C, nv x nv, an array of columns. C `qd` are the \
-            Coriolis and centrifugal forces,\n\
-            without gravity, damping and friction, and dM/dt - 2 C is skew with the mass matrix M.",
+            Coriolis and centrifugal forces, without gravity, damping and friction, and dM/dt - 2 \
+            C is skew with the mass matrix M.",
         casadi: true,
         ..Row::INERTIAL
     },
@@ -117,8 +114,7 @@ pub const ROWS: &[Row] = &[
         arguments: &[Q],
         result: shapes::factors,
         docs: "Returns the factorization U D U^T of the mass matrix at `q` by kinematic modules, \
-            by block reverse\n\
-            Gaussian elimination.",
+            by block reverse Gaussian elimination.",
         default: true,
         batch: Some(Function::BrgeBatch),
         ..Row::INERTIAL
@@ -142,8 +138,7 @@ pub const ROWS: &[Row] = &[
         arguments: &[Q],
         result: shapes::scalar,
         docs: "Returns the potential energy of the moving links under gravity and of the springs, \
-            J; zero for mass at the world's\n\
-            origin and springs at rest.",
+            J; zero for mass at the world's origin and springs at rest.",
         default: true,
         casadi: true,
         batch: Some(Function::PotentialEnergyBatch),
@@ -156,8 +151,7 @@ pub const ROWS: &[Row] = &[
         result: shapes::velocities,
         result_name: Some("qdd"),
         docs: "Returns the joint accelerations under `tau` and a wrench on each link (in the order \
-            of `LINK_NAMES`),\n\
-            at the link's origin in the link's own axes.",
+            of `LINK_NAMES`), at the link's origin in the link's own axes.",
         casadi: true,
         ..Row::INERTIAL
     },
@@ -168,8 +162,7 @@ pub const ROWS: &[Row] = &[
         result: shapes::velocities,
         result_name: Some("qdd"),
         docs: "Returns the joint accelerations under `tau` and a wrench on each link (in the order \
-            of `LINK_NAMES`),\n\
-            at the link's origin in world axes.",
+            of `LINK_NAMES`), at the link's origin in world axes.",
         casadi: true,
         ..Row::INERTIAL
     },
@@ -180,8 +173,7 @@ pub const ROWS: &[Row] = &[
         result: shapes::velocities,
         result_name: Some("tau"),
         docs: "Returns the joint forces of `qdd` under a wrench on each link (in the order of \
-            `LINK_NAMES`), at the\n\
-            link's origin in the link's own axes.",
+            `LINK_NAMES`), at the link's origin in the link's own axes.",
         casadi: true,
         ..Row::INERTIAL
     },
@@ -192,8 +184,7 @@ pub const ROWS: &[Row] = &[
         result: shapes::velocities,
         result_name: Some("tau"),
         docs: "Returns the joint forces of `qdd` under a wrench on each link (in the order of \
-            `LINK_NAMES`), at the\n\
-            link's origin in world axes.",
+            `LINK_NAMES`), at the link's origin in world axes.",
         casadi: true,
         ..Row::INERTIAL
     },
@@ -203,10 +194,9 @@ pub const ROWS: &[Row] = &[
         arguments: &[Q, FORCES],
         result: shapes::generalized_forces,
         docs: "Returns the generalized forces J^T f of a wrench on each link (in the order of \
-            `LINK_NAMES`), at the link's\n\
-            origin in the link's own axes, and their derivative with respect to `q` (in tangent \
-            space), an array of\n\
-            columns. The wrenches rotate with their links.",
+            `LINK_NAMES`), at the link's origin in the link's own axes, and their derivative with \
+            respect to `q` (in tangent space), an array of columns. The wrenches rotate with their \
+            links.",
         ..Row::GEOMETRIC
     },
     Row {
@@ -215,10 +205,8 @@ pub const ROWS: &[Row] = &[
         arguments: &[Q, FORCES],
         result: shapes::generalized_forces,
         docs: "Returns the generalized forces J^T f of a wrench on each link (in the order of \
-            `LINK_NAMES`), at the link's\n\
-            origin in world axes, and their derivative with respect to `q` (in tangent space), an \
-            array of columns. The\n\
-            wrenches keep their directions.",
+            `LINK_NAMES`), at the link's origin in world axes, and their derivative with respect \
+            to `q` (in tangent space), an array of columns. The wrenches keep their directions.",
         ..Row::GEOMETRIC
     },
     Row {
@@ -229,8 +217,8 @@ pub const ROWS: &[Row] = &[
         result: shapes::inverse_derivatives,
         result_name: Some("derivatives"),
         docs: "Returns the derivatives of inverse dynamics with respect to `q` (in tangent space) \
-            and `qd`, each an\n\
-            array of columns. The derivative with respect to `qdd` is the mass matrix.",
+            and `qd`, each an array of columns. The derivative with respect to `qdd` is the mass \
+            matrix.",
         hot: true,
         batch: Some(Function::InverseDynamicsDerivativesBatch),
         ..Row::INERTIAL
@@ -243,8 +231,7 @@ pub const ROWS: &[Row] = &[
         result: shapes::forward_derivatives,
         result_name: Some("derivatives"),
         docs: "Returns the joint accelerations, and the derivatives of forward dynamics with \
-            respect to `q` (in tangent\n\
-            space), `qd` and `tau`, each an array of columns.",
+            respect to `q` (in tangent space), `qd` and `tau`, each an array of columns.",
         hot: true,
         batch: Some(Function::ForwardDynamicsDerivativesBatch),
         ..Row::INERTIAL
@@ -255,8 +242,8 @@ pub const ROWS: &[Row] = &[
         arguments: &[Q, QD, QDD, COTANGENT],
         result: shapes::inverse_vjp,
         docs: "Returns the joint forces tau of `qdd`, and the products of `cotangent` with their \
-            derivatives: the gradients\n\
-            of `cotangent`^T tau with respect to `q` (in tangent space), `qd` and `qdd`.",
+            derivatives: the gradients of `cotangent`^T tau with respect to `q` (in tangent \
+            space), `qd` and `qdd`.",
         ..Row::INERTIAL
     },
     Row {
@@ -265,8 +252,7 @@ pub const ROWS: &[Row] = &[
         arguments: &[Q, QD, QDD, DQ, DQD, DQDD],
         result: shapes::inverse_jvp,
         docs: "Returns the joint forces tau of `qdd`, and their change under the changes `dq` (in \
-            tangent space), `dqd` and\n\
-            `dqdd`.",
+            tangent space), `dqd` and `dqdd`.",
         ..Row::INERTIAL
     },
     Row {
@@ -275,8 +261,8 @@ pub const ROWS: &[Row] = &[
         arguments: &[Q, QD, TAU, COTANGENT],
         result: shapes::forward_vjp,
         docs: "Returns the accelerations qdd, and the products of `cotangent` with their \
-            derivatives: the gradients of\n\
-            `cotangent`^T qdd with respect to `q` (in tangent space), `qd` and `tau`.",
+            derivatives: the gradients of `cotangent`^T qdd with respect to `q` (in tangent \
+            space), `qd` and `tau`.",
         ..Row::INERTIAL
     },
     Row {
@@ -294,10 +280,9 @@ pub const ROWS: &[Row] = &[
         arguments: &[Q, QD, QDD, COTANGENT],
         result: shapes::inverse_hessian,
         docs: "Returns the joint forces tau of `qdd`, and the gradients and the Hessian of \
-            `cotangent`^T tau with respect to\n\
-            `q` (in tangent space), `qd` and `qdd`. The blocks of the Hessian are arrays of \
-            columns; the blocks of `qd` and\n\
-            `qdd` and of `qdd` and `qdd` are zero.",
+            `cotangent`^T tau with respect to `q` (in tangent space), `qd` and `qdd`. The blocks \
+            of the Hessian are arrays of columns; the blocks of `qd` and `qdd` and of `qdd` and \
+            `qdd` are zero.",
         batch: Some(Function::InverseDynamicsHessianBatch),
         ..Row::INERTIAL
     },
@@ -307,10 +292,8 @@ pub const ROWS: &[Row] = &[
         arguments: &[Q, QD, TAU, COTANGENT],
         result: shapes::forward_hessian,
         docs: "Returns the accelerations qdd, and the gradients and the Hessian of `cotangent`^T \
-            qdd with respect to `q` (in\n\
-            tangent space), `qd` and `tau`. The blocks of the Hessian are arrays of columns; the \
-            blocks of `qd` and `tau`\n\
-            and of `tau` and `tau` are zero.",
+            qdd with respect to `q` (in tangent space), `qd` and `tau`. The blocks of the Hessian \
+            are arrays of columns; the blocks of `qd` and `tau` and of `tau` and `tau` are zero.",
         batch: Some(Function::ForwardDynamicsHessianBatch),
         ..Row::INERTIAL
     },
@@ -320,8 +303,8 @@ pub const ROWS: &[Row] = &[
         arguments: &[Q, QD, TAU, DT],
         result: shapes::step,
         docs: "Returns the state after the time `dt` (s) under the joint forces `tau`, by the \
-            semi-implicit Euler method: the\n\
-            new velocities are `qd` + `dt` qdd, and move the coordinates.",
+            semi-implicit Euler method: the new velocities are `qd` + `dt` qdd, and move the \
+            coordinates.",
         casadi: true,
         ..Row::INERTIAL
     },
@@ -331,10 +314,9 @@ pub const ROWS: &[Row] = &[
         arguments: &[Q, QD, TAU, DT],
         result: shapes::step_derivatives,
         docs: "Returns the state after the time `dt` (s) by the semi-implicit Euler method, and \
-            its derivatives: `a` with\n\
-            respect to the state before and `b` with respect to `tau`, arrays of columns. A state \
-            has the entries of q\n\
-            (in tangent space), then the entries of qd.",
+            its derivatives: `a` with respect to the state before and `b` with respect to `tau`, \
+            arrays of columns. A state has the entries of q (in tangent space), then the entries \
+            of qd.",
         ..Row::INERTIAL
     },
     Row {
@@ -343,11 +325,9 @@ pub const ROWS: &[Row] = &[
         arguments: &[Q, QD, TAU, DT, COSTATE],
         result: shapes::step_hessian,
         docs: "Returns the state after the time `dt` (s) by the semi-implicit Euler method, and \
-            the gradients and the Hessian of\n\
-            `costate`^T state: `dx` and `dtau` with respect to the state before and `tau`, and \
-            `dx_dx`, `dx_dtau` and\n\
-            `dtau_dtau`, arrays of columns. A state has the entries of q (in tangent space), then \
-            the entries of qd. Displacements\n\
+            the gradients and the Hessian of `costate`^T state: `dx` and `dtau` with respect to \
+            the state before and `tau`, and `dx_dx`, `dx_dtau` and `dtau_dtau`, arrays of columns. \
+            A state has the entries of q (in tangent space), then the entries of qd. Displacements \
             of the state after the step are in tangent space, too.",
         ..Row::INERTIAL
     },
@@ -357,8 +337,8 @@ pub const ROWS: &[Row] = &[
         arguments: &[Q, QD, TAU, DT],
         result: shapes::step,
         docs: "Returns the state after the time `dt` (s) under the constant joint forces `tau`, by \
-            a Runge-Kutta method of\n\
-            fourth order. Rotations follow exponential maps, so quaternions keep length 1.",
+            a Runge-Kutta method of fourth order. Rotations follow exponential maps, so \
+            quaternions keep length 1.",
         casadi: true,
         ..Row::INERTIAL
     },
@@ -368,9 +348,8 @@ pub const ROWS: &[Row] = &[
         arguments: &[Q, QD, TAU, DT],
         result: shapes::step_derivatives,
         docs: "Returns the state of `step_rk4`, and its derivatives: `a` with respect to the state \
-            before and `b` with respect\n\
-            to `tau`, arrays of columns. A state has the entries of q (in tangent space), then \
-            the entries of qd.",
+            before and `b` with respect to `tau`, arrays of columns. A state has the entries of q \
+            (in tangent space), then the entries of qd.",
         ..Row::INERTIAL
     },
     Row {
@@ -379,10 +358,9 @@ pub const ROWS: &[Row] = &[
         arguments: &[Q, QD, TAU, DT],
         result: shapes::step,
         docs: "Returns the state after the time `dt` (s) under the constant joint forces `tau`, by \
-            the implicit midpoint rule: of\n\
-            second order, symmetric, and stable under stiff damping. Three iterations of \
-            simplified Newton solve its\n\
-            equations. Rotations follow exponential maps, so quaternions keep length 1.",
+            the implicit midpoint rule: of second order, symmetric, and stable under stiff \
+            damping. Three iterations of simplified Newton solve its equations. Rotations follow \
+            exponential maps, so quaternions keep length 1.",
         casadi: true,
         ..Row::INERTIAL
     },
@@ -392,10 +370,9 @@ pub const ROWS: &[Row] = &[
         arguments: &[Q, QD, TAU, DT],
         result: shapes::step_derivatives,
         docs: "Returns the state of `step_implicit_midpoint`, and the derivatives of the implicit \
-            midpoint rule: `a` with respect\n\
-            to the state before and `b` with respect to `tau`, arrays of columns. A state has the \
-            entries of q (in tangent\n\
-            space), then the entries of qd.",
+            midpoint rule: `a` with respect to the state before and `b` with respect to `tau`, \
+            arrays of columns. A state has the entries of q (in tangent space), then the entries \
+            of qd.",
         ..Row::INERTIAL
     },
     Row {
@@ -405,16 +382,12 @@ pub const ROWS: &[Row] = &[
         arguments: &[Q, QD, TAU, CONTACTS, SETTINGS],
         result: shapes::constrained,
         docs: "Returns the joint accelerations under the joint forces `tau` with the loops closed \
-            and the active\n\
-            contacts held. Also returns the wrench on each constraint's link and the unmet part of \
-            the constraint's\n\
-            acceleration, and the number of independent constraint rows. Loop constraints come \
-            first, in the order\n\
-            of `LOOP_CONSTRAINT_NAMES`, at the second frame's origin in the first frame's axes. \
-            Contacts follow, in\n\
-            the order of `CONTACT_NAMES`, at the frame's origin in world axes. Redundant rows get \
-            the multipliers of\n\
-            smallest norm.",
+            and the active contacts held. Also returns the wrench on each constraint's link and \
+            the unmet part of the constraint's acceleration, and the number of independent \
+            constraint rows. Loop constraints come first, in the order of `LOOP_CONSTRAINT_NAMES`, \
+            at the second frame's origin in the first frame's axes. Contacts follow, in the order \
+            of `CONTACT_NAMES`, at the frame's origin in world axes. Redundant rows get the \
+            multipliers of smallest norm.",
         default: true,
         batch: Some(Function::ConstrainedForwardDynamicsBatch),
         ..Row::CONSTRAINED
@@ -425,11 +398,9 @@ pub const ROWS: &[Row] = &[
         arguments: &[Q, QD, SETTINGS],
         result: shapes::constraint_residual,
         docs: "Returns the displacement and the velocity of each loop constraint's second frame \
-            relative to its first,\n\
-            in the first frame's axes; then of each contact's frame, active or not, relative to \
-            its target, in world\n\
-            axes. Components along free directions are zero. A rotation is its axis times the sine \
-            of its angle.",
+            relative to its first, in the first frame's axes; then of each contact's frame, active \
+            or not, relative to its target, in world axes. Components along free directions are \
+            zero. A rotation is its axis times the sine of its angle.",
         default: true,
         of_constraints: true,
         batch: Some(Function::ConstraintResidualBatch),
@@ -441,11 +412,9 @@ pub const ROWS: &[Row] = &[
         arguments: &[Q, QD, CONTACTS, SETTINGS],
         result: shapes::constraint_projection,
         docs: "Returns the smallest step (in the metric of the mass matrix) that closes the loops \
-            at `q` and moves the\n\
-            active contacts to their targets to first order, the smallest change of `qd` that \
-            keeps them there, and\n\
-            the number of independent constraint rows. The settings `alpha` and `beta` have no \
-            effect.",
+            at `q` and moves the active contacts to their targets to first order, the smallest \
+            change of `qd` that keeps them there, and the number of independent constraint rows. \
+            The settings `alpha` and `beta` have no effect.",
         default: true,
         batch: Some(Function::ProjectConstraintsBatch),
         ..Row::CONSTRAINED
@@ -457,12 +426,10 @@ pub const ROWS: &[Row] = &[
         arguments: &[Q, QD, TAU, CONTACTS, SETTINGS],
         result: shapes::constrained_derivatives,
         docs: "Returns the accelerations and the wrenches of `constrained_forward_dynamics`, and \
-            their derivatives with\n\
-            respect to `q` (in tangent space), `qd` and `tau`, each an array of columns. The \
-            derivatives of wrenches\n\
-            are arrays for each constraint, in the axes of the wrenches. The rank is assumed \
-            constant; redundant\n\
-            rows get the derivatives of smallest norm.",
+            their derivatives with respect to `q` (in tangent space), `qd` and `tau`, each an \
+            array of columns. The derivatives of wrenches are arrays for each constraint, in the \
+            axes of the wrenches. The rank is assumed constant; redundant rows get the derivatives \
+            of smallest norm.",
         batch: Some(Function::ConstrainedForwardDynamicsDerivativesBatch),
         ..Row::CONSTRAINED
     },
@@ -472,14 +439,11 @@ pub const ROWS: &[Row] = &[
         arguments: &[Q, QD, TAU, COTANGENT, WRENCH_COTANGENT, CONTACTS, SETTINGS],
         result: shapes::constrained_hessian,
         docs: "Returns the accelerations and the wrenches of `constrained_forward_dynamics`, and \
-            the gradients and the\n\
-            Hessian of their sum with the weights `cotangent` and `wrench_cotangent` (of the \
-            components of the wrenches)\n\
-            with respect to `q` (in tangent space), `qd` and `tau`. The blocks of the Hessian are \
-            arrays of columns; the\n\
-            blocks of `qd` and `tau` and of `tau` and `tau` are zero. The rank is assumed \
-            constant. Weights of wrenches\n\
-            need independent rows, or compliance.",
+            the gradients and the Hessian of their sum with the weights `cotangent` and \
+            `wrench_cotangent` (of the components of the wrenches) with respect to `q` (in tangent \
+            space), `qd` and `tau`. The blocks of the Hessian are arrays of columns; the blocks of \
+            `qd` and `tau` and of `tau` and `tau` are zero. The rank is assumed constant. Weights \
+            of wrenches need independent rows, or compliance.",
         ..Row::CONSTRAINED
     },
     Row {
@@ -489,12 +453,10 @@ pub const ROWS: &[Row] = &[
         arguments: &[Q, QD, CONTACTS, SETTINGS],
         result: shapes::impact_dynamics,
         docs: "Returns the velocities after an impact that closes the loops and stops the active \
-            contacts relative to\n\
-            their targets at the same instant, the impulse of each constraint, and the number of \
-            independent\n\
-            constraint rows. Along its normal, a contact leaves with `restitution` times the speed \
-            before the\n\
-            impact. The settings `alpha` and `beta` have no effect.",
+            contacts relative to their targets at the same instant, the impulse of each \
+            constraint, and the number of independent constraint rows. Along its normal, a contact \
+            leaves with `restitution` times the speed before the impact. The settings `alpha` and \
+            `beta` have no effect.",
         batch: Some(Function::ImpactDynamicsBatch),
         ..Row::CONSTRAINED
     },
@@ -505,14 +467,12 @@ pub const ROWS: &[Row] = &[
         arguments: &[Q, QD, TAU, DT, WARM_START, STEP_SETTINGS],
         result: shapes::step_solution,
         docs: "Returns the state after a step of the time `dt` (s) under the joint forces `tau`, \
-            with contacts, joint limits, dry\n\
-            joint friction and closed loops by MuJoCo's law: soft constraints whose forces \
-            minimize a convex function. The solver is Newton's\n\
-            method, to the tolerance of `step_settings`; `residual` says how far it came, relative \
-            to the largest force. It\n\
-            starts from the accelerations `warm_start`: `qdd` of the last step, or zeros. The \
-            integrator is semi-implicit Euler,\n\
-            implicit in joint damping, or MuJoCo's `implicitfast`, as the description says.",
+            with contacts, joint limits, dry joint friction and closed loops by MuJoCo's law: soft \
+            constraints whose forces minimize a convex function. The solver is Newton's method, to \
+            the tolerance of `step_settings`; `residual` says how far it came, relative to the \
+            largest force. It starts from the accelerations `warm_start`: `qdd` of the last step, \
+            or zeros. The integrator is semi-implicit Euler, implicit in joint damping, or \
+            MuJoCo's `implicitfast`, as the description says.",
         has_solver: true,
         ..Row::INERTIAL
     },
@@ -538,10 +498,9 @@ pub const ROWS: &[Row] = &[
         result: shapes::actuator_forces,
         result_name: Some("forces"),
         docs: "Returns the joint forces `tau` of the actuators under the controls `ctrl`, in the \
-            order of `CONTROL_NAMES`, and the\n\
-            activations after the time `dt` (s), in the order of `ACTIVATION_NAMES`. The laws are \
-            MuJoCo's: controls, forces,\n\
-            activations and joint forces are clamped to the ranges of the description.",
+            order of `CONTROL_NAMES`, and the activations after the time `dt` (s), in the order of \
+            `ACTIVATION_NAMES`. The laws are MuJoCo's: controls, forces, activations and joint \
+            forces are clamped to the ranges of the description.",
         of_actuators: true,
         casadi: true,
         batch: Some(Function::ActuateBatch),
@@ -554,9 +513,8 @@ pub const ROWS: &[Row] = &[
         arguments: &[Q, QD, CTRL, DT, ACT, APPLIED, WARM_START, STEP_SETTINGS],
         result: shapes::actuated_step,
         docs: "Returns the state and the activations after a step of the time `dt` (s) under the \
-            controls `ctrl`: MuJoCo's `mj_step`. The\n\
-            joint forces are the result of `actuate` at the state before the step, and the forces \
-            `applied` beside it (MuJoCo's\n\
+            controls `ctrl`: MuJoCo's `mj_step`. The joint forces are the result of `actuate` at \
+            the state before the step, and the forces `applied` beside it (MuJoCo's \
             `qfrc_applied`). All else is as in `step`.",
         of_actuators: true,
         has_solver: true,
@@ -582,14 +540,10 @@ pub const ROWS: &[Row] = &[
         arguments: &[Q, QD, QDD, CONTACTS, SETTINGS],
         result: shapes::constrained_torques,
         docs: "Returns the joint forces of the accelerations `qdd`, the wrenches of the active \
-            contacts that carry the\n\
-            floating bases, and the rank of the contacts' columns of the bases. The wrenches have \
-            the smallest sum\n\
-            of (force^2 + (moment / l)^2) / weight with the characteristic length l of each \
-            contact. The joint\n\
-            forces of a base are the wrench on it that no contact can carry. The wrenches of loop \
-            constraints are\n\
-            zero.",
+            contacts that carry the floating bases, and the rank of the contacts' columns of the \
+            bases. The wrenches have the smallest sum of (force^2 + (moment / l)^2) / weight with \
+            the characteristic length l of each contact. The joint forces of a base are the wrench \
+            on it that no contact can carry. The wrenches of loop constraints are zero.",
         batch: Some(Function::ConstrainedInverseDynamicsBatch),
         ..Row::CONSTRAINED
     },
@@ -599,11 +553,9 @@ pub const ROWS: &[Row] = &[
         arguments: &[Q],
         result: shapes::constraint_jacobian,
         docs: "Returns the Jacobian of each constraint, an array of columns. The product with `qd` \
-            is, for a loop\n\
-            constraint, the constrained part of the twist of its second frame relative to its \
-            first, in the first\n\
-            frame's axes; for a contact, active or not, the constrained part of its frame's twist \
-            in world axes.",
+            is, for a loop constraint, the constrained part of the twist of its second frame \
+            relative to its first, in the first frame's axes; for a contact, active or not, the \
+            constrained part of its frame's twist in world axes.",
         of_constraints: true,
         batch: Some(Function::ConstraintJacobianBatch),
         ..Row::GEOMETRIC
@@ -614,8 +566,7 @@ pub const ROWS: &[Row] = &[
         arguments: &[Q, QD],
         result: shapes::constraint_twists,
         docs: "Returns the bias acceleration of each constraint: the time derivative of \
-            `constraint_jacobian` times\n\
-            `qd`, in the same axes.",
+            `constraint_jacobian` times `qd`, in the same axes.",
         of_constraints: true,
         batch: Some(Function::ConstraintJacobianDotQdBatch),
         ..Row::GEOMETRIC
@@ -627,12 +578,10 @@ pub const ROWS: &[Row] = &[
         arguments: &[Q, CONTACTS, SETTINGS],
         result: shapes::operational_space_inertia,
         docs: "Returns the operational-space inertia of the constraints, its inverse J M^-1 J^T \
-            with the mass matrix M,\n\
-            and the number of independent constraint rows. Both matrices are arrays of columns; \
-            each constraint has\n\
-            its constrained rotations, then its constrained displacements, of a contact in world \
-            axes. The entries\n\
-            of inactive contacts are zero. The inverse contains the compliance.",
+            with the mass matrix M, and the number of independent constraint rows. Both matrices \
+            are arrays of columns; each constraint has its constrained rotations, then its \
+            constrained displacements, of a contact in world axes. The entries of inactive \
+            contacts are zero. The inverse contains the compliance.",
         batch: Some(Function::OperationalSpaceInertiaBatch),
         ..Row::CONSTRAINED
     },
@@ -643,11 +592,9 @@ pub const ROWS: &[Row] = &[
         arguments: &[Q, QD, QDD],
         result: shapes::regressor,
         docs: "Returns the regressor Y of inverse dynamics, an array of columns: tau = Y pi, \
-            without rotors and\n\
-            friction. pi has ten entries for each moving link: mass, mass times centre of mass x, \
-            y, z, and\n\
-            Ixx, Ixy, Ixz, Iyy, Iyz, Izz about the link's origin in the link's own axes \
-            (`PARAMETERS`).",
+            without rotors and friction. pi has ten entries for each moving link: mass, mass times \
+            centre of mass x, y, z, and Ixx, Ixy, Ixz, Iyy, Iyz, Izz about the link's origin in \
+            the link's own axes (`PARAMETERS`).",
         depends_on_parameters: true,
         ..Row::GEOMETRIC
     },
@@ -671,8 +618,7 @@ pub const ROWS: &[Row] = &[
         result: shapes::vectors3,
         result_name: Some("jacobian"),
         docs: "Returns the Jacobian of the centre of mass, an array of columns. Its product with \
-            `qd` is the velocity\n\
-            of the centre of mass in world axes.",
+            `qd` is the velocity of the centre of mass in world axes.",
         casadi: true,
         ..Row::INERTIAL
     },
@@ -684,9 +630,8 @@ pub const ROWS: &[Row] = &[
         result: shapes::momenta,
         result_name: Some("momentum_matrix"),
         docs: "Returns the centroidal momentum matrix, an array of columns. Its product with `qd` \
-            is the momentum about\n\
-            the centre of mass, in world axes. Rotors have energy, but no momentum: their axes are \
-            not described.",
+            is the momentum about the centre of mass, in world axes. Rotors have energy, but no \
+            momentum: their axes are not described.",
         casadi: true,
         ..Row::INERTIAL
     },
@@ -697,9 +642,8 @@ pub const ROWS: &[Row] = &[
         result: shapes::inertia,
         result_name: Some("inertia"),
         docs: "Returns the centroidal composite inertia, an array of columns. Its product with a \
-            twist is the momentum about the\n\
-            centre of mass, in world axes, of all moving links as one rigid body with this twist \
-            at the centre of mass.",
+            twist is the momentum about the centre of mass, in world axes, of all moving links as \
+            one rigid body with this twist at the centre of mass.",
         casadi: true,
         ..Row::INERTIAL
     },
@@ -711,8 +655,7 @@ pub const ROWS: &[Row] = &[
         result: shapes::momentum,
         result_name: Some("momentum"),
         docs: "Returns the momentum of the moving links about their centre of mass, in world axes. \
-            Rotors have energy, but no\n\
-            momentum: their axes are not described.",
+            Rotors have energy, but no momentum: their axes are not described.",
         casadi: true,
         ..Row::INERTIAL
     },
@@ -724,10 +667,8 @@ pub const ROWS: &[Row] = &[
         result: shapes::momentum,
         result_name: Some("momentum_rate"),
         docs: "Returns the time derivative of the centroidal momentum in world axes: the moment (N \
-            m) and the force (N) about the\n\
-            centre of mass of gravity and of all forces from outside. At `qdd` = 0 it is the bias \
-            A' qd, with the centroidal\n\
-            momentum matrix A.",
+            m) and the force (N) about the centre of mass of gravity and of all forces from \
+            outside. At `qdd` = 0 it is the bias A' qd, with the centroidal momentum matrix A.",
         casadi: true,
         ..Row::INERTIAL
     },
@@ -739,10 +680,9 @@ pub const ROWS: &[Row] = &[
         result: shapes::centroidal_derivatives,
         result_name: Some("derivatives"),
         docs: "Returns the momentum of the moving links about their centre of mass, its time \
-            derivative at `qdd` (the rate), and the\n\
-            derivatives of both with respect to `q` (in tangent space) and `qd`, arrays of \
-            columns, in world axes. The derivatives\n\
-            of the momentum with respect to `qd`, and of the rate with respect to `qdd`, are the \
+            derivative at `qdd` (the rate), and the derivatives of both with respect to `q` (in \
+            tangent space) and `qd`, arrays of columns, in world axes. The derivatives of the \
+            momentum with respect to `qd`, and of the rate with respect to `qdd`, are the \
             centroidal momentum matrix.",
         ..Row::INERTIAL
     },
@@ -753,8 +693,7 @@ pub const ROWS: &[Row] = &[
         arguments: &[Q],
         result: shapes::poses,
         docs: "Returns the poses in the world of all links of the description, fixed links \
-            included, in the order of\n\
-            `LINK_NAMES`.",
+            included, in the order of `LINK_NAMES`.",
         default: true,
         ..Row::GEOMETRIC
     },
@@ -780,8 +719,7 @@ pub const ROWS: &[Row] = &[
         result: shapes::twist,
         result_name: Some("velocity"),
         docs: "Returns the velocity of a link's origin (m/s) and its angular velocity (rad/s), in \
-            world axes.\n\
-            Computes the link's kinematic path only.",
+            world axes. Computes the link's kinematic path only.",
         casadi: true,
         ..Row::GEOMETRIC
     },
@@ -793,8 +731,7 @@ pub const ROWS: &[Row] = &[
         result: shapes::twist,
         result_name: Some("velocity"),
         docs: "Returns the velocity of a link's origin (m/s) and its angular velocity (rad/s), in \
-            the link's own axes.\n\
-            Computes the link's kinematic path only.",
+            the link's own axes. Computes the link's kinematic path only.",
         casadi: true,
         ..Row::GEOMETRIC
     },
@@ -807,8 +744,8 @@ pub const ROWS: &[Row] = &[
         result: shapes::twist,
         result_name: Some("acceleration"),
         docs: "Returns the classical acceleration of a link's origin (m/s^2) and its angular \
-            acceleration (rad/s^2), in\n\
-            world axes. Gravity is not included. Computes the link's kinematic path only.",
+            acceleration (rad/s^2), in world axes. Gravity is not included. Computes the link's \
+            kinematic path only.",
         casadi: true,
         ..Row::GEOMETRIC
     },
@@ -820,8 +757,8 @@ pub const ROWS: &[Row] = &[
         result: shapes::twist,
         result_name: Some("acceleration"),
         docs: "Returns the classical acceleration of a link's origin (m/s^2) and its angular \
-            acceleration (rad/s^2), in\n\
-            the link's own axes. Gravity is not included. Computes the link's kinematic path only.",
+            acceleration (rad/s^2), in the link's own axes. Gravity is not included. Computes the \
+            link's kinematic path only.",
         casadi: true,
         ..Row::GEOMETRIC
     },
@@ -833,8 +770,8 @@ pub const ROWS: &[Row] = &[
         by_link: true,
         result: shapes::twists,
         docs: "Returns the Jacobian of a link, an array of columns. Its product with `qd` is the \
-            velocity of the link\n\
-            at its origin, in world axes. Computes the link's kinematic path only.",
+            velocity of the link at its origin, in world axes. Computes the link's kinematic path \
+            only.",
         default: true,
         casadi: true,
         ..Row::GEOMETRIC
@@ -847,8 +784,8 @@ pub const ROWS: &[Row] = &[
         result: shapes::twists,
         result_name: Some("jacobian"),
         docs: "Returns the Jacobian of a link, an array of columns. Its product with `qd` is the \
-            velocity of the link\n\
-            at its origin, in the link's own axes. Computes the link's kinematic path only.",
+            velocity of the link at its origin, in the link's own axes. Computes the link's \
+            kinematic path only.",
         casadi: true,
         ..Row::GEOMETRIC
     },
@@ -860,8 +797,7 @@ pub const ROWS: &[Row] = &[
         by_link: true,
         result: shapes::twists,
         docs: "Returns the time derivative of `jacobian`, an array of columns. Its product with \
-            `qd` is `jacobian_dot_qd`.\n\
-            Computes the link's kinematic path only.",
+            `qd` is `jacobian_dot_qd`. Computes the link's kinematic path only.",
         ..Row::GEOMETRIC
     },
     Row {
@@ -871,8 +807,7 @@ pub const ROWS: &[Row] = &[
         by_link: true,
         result: shapes::twists,
         docs: "Returns the time derivative of `jacobian_local`, an array of columns. Its product \
-            with `qd` is\n\
-            `jacobian_dot_qd_local`. Computes the link's kinematic path only.",
+            with `qd` is `jacobian_dot_qd_local`. Computes the link's kinematic path only.",
         ..Row::GEOMETRIC
     },
     Row {
@@ -884,9 +819,8 @@ pub const ROWS: &[Row] = &[
         result: shapes::twist,
         result_name: Some("acceleration"),
         docs: "Returns the bias acceleration of a link in world axes: the time derivative of \
-            `jacobian` times `qd`, which\n\
-            is the link's acceleration at zero joint accelerations. Computes the link's kinematic \
-            path only.",
+            `jacobian` times `qd`, which is the link's acceleration at zero joint accelerations. \
+            Computes the link's kinematic path only.",
         casadi: true,
         ..Row::GEOMETRIC
     },
@@ -898,8 +832,7 @@ pub const ROWS: &[Row] = &[
         result: shapes::twist,
         result_name: Some("acceleration"),
         docs: "Returns the bias acceleration of a link in its own axes: the time derivative of \
-            `jacobian_local` times\n\
-            `qd`. Computes the link's kinematic path only.",
+            `jacobian_local` times `qd`. Computes the link's kinematic path only.",
         casadi: true,
         ..Row::GEOMETRIC
     },
@@ -924,8 +857,7 @@ pub const ROWS: &[Row] = &[
         result: shapes::velocities,
         result_name: Some("displacement"),
         docs: "Returns the displacement `v` with which `integrate` leads from `from` to `to`. \
-            Rotations are the shortest\n\
-            ones; joint angles are not wrapped.",
+            Rotations are the shortest ones; joint angles are not wrapped.",
         default: true,
         casadi: true,
         ..Row::GEOMETRIC
@@ -937,8 +869,8 @@ pub const ROWS: &[Row] = &[
         arguments: &[Q, V],
         result: shapes::integrate_derivatives,
         docs: "Returns the derivatives of `integrate` with respect to `q` and `v`, each an array \
-            of columns in tangent\n\
-            space: displacements of `q` and of the result are in the axes at each of them.",
+            of columns in tangent space: displacements of `q` and of the result are in the axes at \
+            each of them.",
         ..Row::GEOMETRIC
     },
     Row {
@@ -948,8 +880,8 @@ pub const ROWS: &[Row] = &[
         arguments: &[FROM, TO],
         result: shapes::difference_derivatives,
         docs: "Returns the derivatives of `difference` with respect to `from` and `to`, each an \
-            array of columns in\n\
-            tangent space: displacements are in the axes at `from` and at `to`.",
+            array of columns in tangent space: displacements are in the axes at `from` and at \
+            `to`.",
         ..Row::GEOMETRIC
     },
     Row {
@@ -982,9 +914,8 @@ pub const ROWS: &[Row] = &[
         arguments: &[UNIFORMS],
         result: shapes::coordinates,
         docs: "Returns coordinates within the joint limits, from random numbers uniformly \
-            distributed in [0, 1). Angles\n\
-            without limits are in [-pi, pi), displacements without limits in [-1, 1) m, rotations \
-            uniform over SO(3).",
+            distributed in [0, 1). Angles without limits are in [-pi, pi), displacements without \
+            limits in [-1, 1) m, rotations uniform over SO(3).",
         default: true,
         ..Row::GEOMETRIC
     },

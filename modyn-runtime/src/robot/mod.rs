@@ -117,7 +117,7 @@ pub trait Robot {
     /// The type of arrays with an entry for each entry of the velocity vector.
     type PerVelocity<X: Copy>: Array<X>;
     /// The type of arrays with an entry for each entry of a state in tangent space: 2 nv entries,
-    /// those of the coordinates first.
+    /// the coordinates first.
     type PerState<X: Copy>: Array<X>;
     /// The type of arrays with an entry for each link of the description, in the order of
     /// [`LINK_NAMES`](Self::LINK_NAMES).
@@ -153,9 +153,9 @@ pub trait Robot {
     type UduFactorization<T: Scalar>: Factorization<T, V = Self::V<T>, M = Self::M<T>>;
 
     // <!-- data: robot-functions -->
-    /// Returns the joint accelerations (rad/s^2 or m/s^2) at the coordinates `q` and velocities `qd` under the
-    /// joint forces `tau` (N m or N), gravity included. The method is block reverse Gaussian elimination of the
-    /// mass matrix by inter- and intra-modular recursion.
+    /// Returns the joint accelerations (rad/s^2 or m/s^2) at the coordinates `q` and velocities
+    /// `qd` under the joint forces `tau` (N m or N), gravity included. The method is block reverse
+    /// Gaussian elimination of the mass matrix by inter- and intra-modular recursion.
     #[doc(alias = "ABA")]
     #[doc(alias = "articulated-body algorithm")]
     #[doc(alias = "pin.aba")]
@@ -182,8 +182,8 @@ pub trait Robot {
         Self::forward_dynamics_with(&Self::Params::<T>::default(), q, qd, tau)
     }
 
-    /// Returns the joint forces (N m or N) of the accelerations `qdd` at the coordinates `q` and velocities
-    /// `qd`, gravity included, by the recursive Newton-Euler algorithm.
+    /// Returns the joint forces (N m or N) of the accelerations `qdd` at the coordinates `q` and
+    /// velocities `qd`, gravity included, by the recursive Newton-Euler algorithm.
     #[doc(alias = "RNEA")]
     #[doc(alias = "recursive Newton-Euler algorithm")]
     #[doc(alias = "pin.rnea")]
@@ -212,8 +212,9 @@ pub trait Robot {
         Self::inverse_dynamics_with(&Self::Params::<T>::default(), q, qd, qdd)
     }
 
-    /// Returns the bias forces (N m or N): inverse dynamics at zero acceleration. They are the Coriolis,
-    /// centrifugal and gravity forces and the forces of springs, with damping and friction if these are enabled.
+    /// Returns the bias forces (N m or N): inverse dynamics at zero acceleration. They are the
+    /// Coriolis, centrifugal and gravity forces and the forces of springs, with damping and
+    /// friction if these are enabled.
     #[doc(alias = "nonlinear effects")]
     #[doc(alias = "pin.nonLinearEffects")]
     #[doc(alias = "qfrc_bias")]
@@ -239,7 +240,8 @@ pub trait Robot {
         Self::bias_forces_with(&Self::Params::<T>::default(), q, qd)
     }
 
-    /// Returns the joint forces (N m or N) that balance gravity and springs at `q` and zero velocity.
+    /// Returns the joint forces (N m or N) that balance gravity and springs at `q` and zero
+    /// velocity.
     #[doc(alias = "gravity compensation")]
     #[doc(alias = "pin.computeGeneralizedGravity")]
     fn gravity_torques_with<T: Scalar>(params: &Self::Params<T>, q: &Self::Q<T>) -> Self::V<T>
@@ -283,8 +285,9 @@ pub trait Robot {
         Self::mass_matrix_with(&Self::Params::<T>::default(), q)
     }
 
-    /// Returns the Coriolis matrix C, nv x nv, an array of columns. C `qd` are the Coriolis and centrifugal forces,
-    /// without gravity, damping and friction, and dM/dt - 2 C is skew with the mass matrix M.
+    /// Returns the Coriolis matrix C, nv x nv, an array of columns. C `qd` are the Coriolis and
+    /// centrifugal forces, without gravity, damping and friction, and dM/dt - 2 C is skew with the
+    /// mass matrix M.
     #[doc(alias = "pin.computeCoriolisMatrix")]
     fn coriolis_matrix_with<T: Scalar>(
         params: &Self::Params<T>,
@@ -306,8 +309,8 @@ pub trait Robot {
         Self::coriolis_matrix_with(&Self::Params::<T>::default(), q, qd)
     }
 
-    /// Returns the factorization U D U^T of the mass matrix at `q` by kinematic modules, by block reverse
-    /// Gaussian elimination.
+    /// Returns the factorization U D U^T of the mass matrix at `q` by kinematic modules, by block
+    /// reverse Gaussian elimination.
     #[doc(alias = "Cholesky decomposition of the mass matrix")]
     #[doc(alias = "pin.cholesky.decompose")]
     #[doc(alias = "mj_factorM")]
@@ -351,8 +354,8 @@ pub trait Robot {
         Self::kinetic_energy_with(&Self::Params::<T>::default(), q, qd)
     }
 
-    /// Returns the potential energy of the moving links under gravity and of the springs, J; zero for mass at the world's
-    /// origin and springs at rest.
+    /// Returns the potential energy of the moving links under gravity and of the springs, J; zero
+    /// for mass at the world's origin and springs at rest.
     #[doc(alias = "pin.computePotentialEnergy")]
     fn potential_energy_with<T: Scalar>(params: &Self::Params<T>, q: &Self::Q<T>) -> T
     where
@@ -370,8 +373,8 @@ pub trait Robot {
         Self::potential_energy_with(&Self::Params::<T>::default(), q)
     }
 
-    /// Returns the joint accelerations under `tau` and a wrench on each link (in the order of `LINK_NAMES`),
-    /// at the link's origin in the link's own axes.
+    /// Returns the joint accelerations under `tau` and a wrench on each link (in the order of
+    /// `LINK_NAMES`), at the link's origin in the link's own axes.
     fn forward_dynamics_external_local_with<T: Scalar>(
         params: &Self::Params<T>,
         q: &Self::Q<T>,
@@ -385,7 +388,8 @@ pub trait Robot {
         const { not_generated() }
     }
 
-    /// Calls [`forward_dynamics_external_local_with`](Self::forward_dynamics_external_local_with) with the default parameters.
+    /// Calls [`forward_dynamics_external_local_with`](Self::forward_dynamics_external_local_with)
+    /// with the default parameters.
     fn forward_dynamics_external_local<T: Scalar>(
         q: &Self::Q<T>,
         qd: &Self::V<T>,
@@ -404,8 +408,8 @@ pub trait Robot {
         )
     }
 
-    /// Returns the joint accelerations under `tau` and a wrench on each link (in the order of `LINK_NAMES`),
-    /// at the link's origin in world axes.
+    /// Returns the joint accelerations under `tau` and a wrench on each link (in the order of
+    /// `LINK_NAMES`), at the link's origin in world axes.
     fn forward_dynamics_external_with<T: Scalar>(
         params: &Self::Params<T>,
         q: &Self::Q<T>,
@@ -419,7 +423,8 @@ pub trait Robot {
         const { not_generated() }
     }
 
-    /// Calls [`forward_dynamics_external_with`](Self::forward_dynamics_external_with) with the default parameters.
+    /// Calls [`forward_dynamics_external_with`](Self::forward_dynamics_external_with) with the
+    /// default parameters.
     fn forward_dynamics_external<T: Scalar>(
         q: &Self::Q<T>,
         qd: &Self::V<T>,
@@ -432,8 +437,8 @@ pub trait Robot {
         Self::forward_dynamics_external_with(&Self::Params::<T>::default(), q, qd, tau, forces)
     }
 
-    /// Returns the joint forces of `qdd` under a wrench on each link (in the order of `LINK_NAMES`), at the
-    /// link's origin in the link's own axes.
+    /// Returns the joint forces of `qdd` under a wrench on each link (in the order of
+    /// `LINK_NAMES`), at the link's origin in the link's own axes.
     fn inverse_dynamics_external_local_with<T: Scalar>(
         params: &Self::Params<T>,
         q: &Self::Q<T>,
@@ -447,7 +452,8 @@ pub trait Robot {
         const { not_generated() }
     }
 
-    /// Calls [`inverse_dynamics_external_local_with`](Self::inverse_dynamics_external_local_with) with the default parameters.
+    /// Calls [`inverse_dynamics_external_local_with`](Self::inverse_dynamics_external_local_with)
+    /// with the default parameters.
     fn inverse_dynamics_external_local<T: Scalar>(
         q: &Self::Q<T>,
         qd: &Self::V<T>,
@@ -466,8 +472,8 @@ pub trait Robot {
         )
     }
 
-    /// Returns the joint forces of `qdd` under a wrench on each link (in the order of `LINK_NAMES`), at the
-    /// link's origin in world axes.
+    /// Returns the joint forces of `qdd` under a wrench on each link (in the order of
+    /// `LINK_NAMES`), at the link's origin in world axes.
     fn inverse_dynamics_external_with<T: Scalar>(
         params: &Self::Params<T>,
         q: &Self::Q<T>,
@@ -481,7 +487,8 @@ pub trait Robot {
         const { not_generated() }
     }
 
-    /// Calls [`inverse_dynamics_external_with`](Self::inverse_dynamics_external_with) with the default parameters.
+    /// Calls [`inverse_dynamics_external_with`](Self::inverse_dynamics_external_with) with the
+    /// default parameters.
     fn inverse_dynamics_external<T: Scalar>(
         q: &Self::Q<T>,
         qd: &Self::V<T>,
@@ -494,9 +501,10 @@ pub trait Robot {
         Self::inverse_dynamics_external_with(&Self::Params::<T>::default(), q, qd, qdd, forces)
     }
 
-    /// Returns the generalized forces J^T f of a wrench on each link (in the order of `LINK_NAMES`), at the link's
-    /// origin in the link's own axes, and their derivative with respect to `q` (in tangent space), an array of
-    /// columns. The wrenches rotate with their links.
+    /// Returns the generalized forces J^T f of a wrench on each link (in the order of
+    /// `LINK_NAMES`), at the link's origin in the link's own axes, and their derivative with
+    /// respect to `q` (in tangent space), an array of columns. The wrenches rotate with their
+    /// links.
     fn generalized_forces_local<T: Scalar>(
         q: &Self::Q<T>,
         forces: &Self::PerLink<Wrench<T>>,
@@ -507,9 +515,9 @@ pub trait Robot {
         const { not_generated() }
     }
 
-    /// Returns the generalized forces J^T f of a wrench on each link (in the order of `LINK_NAMES`), at the link's
-    /// origin in world axes, and their derivative with respect to `q` (in tangent space), an array of columns. The
-    /// wrenches keep their directions.
+    /// Returns the generalized forces J^T f of a wrench on each link (in the order of
+    /// `LINK_NAMES`), at the link's origin in world axes, and their derivative with respect to `q`
+    /// (in tangent space), an array of columns. The wrenches keep their directions.
     fn generalized_forces<T: Scalar>(
         q: &Self::Q<T>,
         forces: &Self::PerLink<Wrench<T>>,
@@ -520,8 +528,8 @@ pub trait Robot {
         const { not_generated() }
     }
 
-    /// Returns the derivatives of inverse dynamics with respect to `q` (in tangent space) and `qd`, each an
-    /// array of columns. The derivative with respect to `qdd` is the mass matrix.
+    /// Returns the derivatives of inverse dynamics with respect to `q` (in tangent space) and `qd`,
+    /// each an array of columns. The derivative with respect to `qdd` is the mass matrix.
     #[doc(alias = "pin.computeRNEADerivatives")]
     fn inverse_dynamics_derivatives_with<T: Scalar>(
         params: &Self::Params<T>,
@@ -535,7 +543,8 @@ pub trait Robot {
         const { not_generated() }
     }
 
-    /// Calls [`inverse_dynamics_derivatives_with`](Self::inverse_dynamics_derivatives_with) with the default parameters.
+    /// Calls [`inverse_dynamics_derivatives_with`](Self::inverse_dynamics_derivatives_with) with
+    /// the default parameters.
     #[doc(alias = "pin.computeRNEADerivatives")]
     fn inverse_dynamics_derivatives<T: Scalar>(
         q: &Self::Q<T>,
@@ -548,8 +557,8 @@ pub trait Robot {
         Self::inverse_dynamics_derivatives_with(&Self::Params::<T>::default(), q, qd, qdd)
     }
 
-    /// Returns the joint accelerations, and the derivatives of forward dynamics with respect to `q` (in tangent
-    /// space), `qd` and `tau`, each an array of columns.
+    /// Returns the joint accelerations, and the derivatives of forward dynamics with respect to `q`
+    /// (in tangent space), `qd` and `tau`, each an array of columns.
     #[doc(alias = "pin.computeABADerivatives")]
     fn forward_dynamics_derivatives_with<T: Scalar>(
         params: &Self::Params<T>,
@@ -563,7 +572,8 @@ pub trait Robot {
         const { not_generated() }
     }
 
-    /// Calls [`forward_dynamics_derivatives_with`](Self::forward_dynamics_derivatives_with) with the default parameters.
+    /// Calls [`forward_dynamics_derivatives_with`](Self::forward_dynamics_derivatives_with) with
+    /// the default parameters.
     #[doc(alias = "pin.computeABADerivatives")]
     fn forward_dynamics_derivatives<T: Scalar>(
         q: &Self::Q<T>,
@@ -576,8 +586,9 @@ pub trait Robot {
         Self::forward_dynamics_derivatives_with(&Self::Params::<T>::default(), q, qd, tau)
     }
 
-    /// Returns the joint forces tau of `qdd`, and the products of `cotangent` with their derivatives: the gradients
-    /// of `cotangent`^T tau with respect to `q` (in tangent space), `qd` and `qdd`.
+    /// Returns the joint forces tau of `qdd`, and the products of `cotangent` with their
+    /// derivatives: the gradients of `cotangent`^T tau with respect to `q` (in tangent space), `qd`
+    /// and `qdd`.
     fn inverse_dynamics_vjp_with<T: Scalar>(
         params: &Self::Params<T>,
         q: &Self::Q<T>,
@@ -591,7 +602,8 @@ pub trait Robot {
         const { not_generated() }
     }
 
-    /// Calls [`inverse_dynamics_vjp_with`](Self::inverse_dynamics_vjp_with) with the default parameters.
+    /// Calls [`inverse_dynamics_vjp_with`](Self::inverse_dynamics_vjp_with) with the default
+    /// parameters.
     fn inverse_dynamics_vjp<T: Scalar>(
         q: &Self::Q<T>,
         qd: &Self::V<T>,
@@ -604,8 +616,8 @@ pub trait Robot {
         Self::inverse_dynamics_vjp_with(&Self::Params::<T>::default(), q, qd, qdd, cotangent)
     }
 
-    /// Returns the joint forces tau of `qdd`, and their change under the changes `dq` (in tangent space), `dqd` and
-    /// `dqdd`.
+    /// Returns the joint forces tau of `qdd`, and their change under the changes `dq` (in tangent
+    /// space), `dqd` and `dqdd`.
     fn inverse_dynamics_jvp_with<T: Scalar>(
         params: &Self::Params<T>,
         q: &Self::Q<T>,
@@ -621,7 +633,8 @@ pub trait Robot {
         const { not_generated() }
     }
 
-    /// Calls [`inverse_dynamics_jvp_with`](Self::inverse_dynamics_jvp_with) with the default parameters.
+    /// Calls [`inverse_dynamics_jvp_with`](Self::inverse_dynamics_jvp_with) with the default
+    /// parameters.
     fn inverse_dynamics_jvp<T: Scalar>(
         q: &Self::Q<T>,
         qd: &Self::V<T>,
@@ -636,8 +649,8 @@ pub trait Robot {
         Self::inverse_dynamics_jvp_with(&Self::Params::<T>::default(), q, qd, qdd, dq, dqd, dqdd)
     }
 
-    /// Returns the accelerations qdd, and the products of `cotangent` with their derivatives: the gradients of
-    /// `cotangent`^T qdd with respect to `q` (in tangent space), `qd` and `tau`.
+    /// Returns the accelerations qdd, and the products of `cotangent` with their derivatives: the
+    /// gradients of `cotangent`^T qdd with respect to `q` (in tangent space), `qd` and `tau`.
     fn forward_dynamics_vjp_with<T: Scalar>(
         params: &Self::Params<T>,
         q: &Self::Q<T>,
@@ -651,7 +664,8 @@ pub trait Robot {
         const { not_generated() }
     }
 
-    /// Calls [`forward_dynamics_vjp_with`](Self::forward_dynamics_vjp_with) with the default parameters.
+    /// Calls [`forward_dynamics_vjp_with`](Self::forward_dynamics_vjp_with) with the default
+    /// parameters.
     fn forward_dynamics_vjp<T: Scalar>(
         q: &Self::Q<T>,
         qd: &Self::V<T>,
@@ -664,7 +678,8 @@ pub trait Robot {
         Self::forward_dynamics_vjp_with(&Self::Params::<T>::default(), q, qd, tau, cotangent)
     }
 
-    /// Returns the accelerations qdd, and their change under the changes `dq` (in tangent space), `dqd` and `dtau`.
+    /// Returns the accelerations qdd, and their change under the changes `dq` (in tangent space),
+    /// `dqd` and `dtau`.
     fn forward_dynamics_jvp_with<T: Scalar>(
         params: &Self::Params<T>,
         q: &Self::Q<T>,
@@ -680,7 +695,8 @@ pub trait Robot {
         const { not_generated() }
     }
 
-    /// Calls [`forward_dynamics_jvp_with`](Self::forward_dynamics_jvp_with) with the default parameters.
+    /// Calls [`forward_dynamics_jvp_with`](Self::forward_dynamics_jvp_with) with the default
+    /// parameters.
     fn forward_dynamics_jvp<T: Scalar>(
         q: &Self::Q<T>,
         qd: &Self::V<T>,
@@ -695,9 +711,9 @@ pub trait Robot {
         Self::forward_dynamics_jvp_with(&Self::Params::<T>::default(), q, qd, tau, dq, dqd, dtau)
     }
 
-    /// Returns the joint forces tau of `qdd`, and the gradients and the Hessian of `cotangent`^T tau with respect to
-    /// `q` (in tangent space), `qd` and `qdd`. The blocks of the Hessian are arrays of columns; the blocks of `qd` and
-    /// `qdd` and of `qdd` and `qdd` are zero.
+    /// Returns the joint forces tau of `qdd`, and the gradients and the Hessian of `cotangent`^T
+    /// tau with respect to `q` (in tangent space), `qd` and `qdd`. The blocks of the Hessian are
+    /// arrays of columns; the blocks of `qd` and `qdd` and of `qdd` and `qdd` are zero.
     fn inverse_dynamics_hessian_with<T: Scalar>(
         params: &Self::Params<T>,
         q: &Self::Q<T>,
@@ -711,7 +727,8 @@ pub trait Robot {
         const { not_generated() }
     }
 
-    /// Calls [`inverse_dynamics_hessian_with`](Self::inverse_dynamics_hessian_with) with the default parameters.
+    /// Calls [`inverse_dynamics_hessian_with`](Self::inverse_dynamics_hessian_with) with the
+    /// default parameters.
     fn inverse_dynamics_hessian<T: Scalar>(
         q: &Self::Q<T>,
         qd: &Self::V<T>,
@@ -724,9 +741,9 @@ pub trait Robot {
         Self::inverse_dynamics_hessian_with(&Self::Params::<T>::default(), q, qd, qdd, cotangent)
     }
 
-    /// Returns the accelerations qdd, and the gradients and the Hessian of `cotangent`^T qdd with respect to `q` (in
-    /// tangent space), `qd` and `tau`. The blocks of the Hessian are arrays of columns; the blocks of `qd` and `tau`
-    /// and of `tau` and `tau` are zero.
+    /// Returns the accelerations qdd, and the gradients and the Hessian of `cotangent`^T qdd with
+    /// respect to `q` (in tangent space), `qd` and `tau`. The blocks of the Hessian are arrays of
+    /// columns; the blocks of `qd` and `tau` and of `tau` and `tau` are zero.
     fn forward_dynamics_hessian_with<T: Scalar>(
         params: &Self::Params<T>,
         q: &Self::Q<T>,
@@ -740,7 +757,8 @@ pub trait Robot {
         const { not_generated() }
     }
 
-    /// Calls [`forward_dynamics_hessian_with`](Self::forward_dynamics_hessian_with) with the default parameters.
+    /// Calls [`forward_dynamics_hessian_with`](Self::forward_dynamics_hessian_with) with the
+    /// default parameters.
     fn forward_dynamics_hessian<T: Scalar>(
         q: &Self::Q<T>,
         qd: &Self::V<T>,
@@ -753,8 +771,8 @@ pub trait Robot {
         Self::forward_dynamics_hessian_with(&Self::Params::<T>::default(), q, qd, tau, cotangent)
     }
 
-    /// Returns the state after the time `dt` (s) under the joint forces `tau`, by the semi-implicit Euler method: the
-    /// new velocities are `qd` + `dt` qdd, and move the coordinates.
+    /// Returns the state after the time `dt` (s) under the joint forces `tau`, by the semi-implicit
+    /// Euler method: the new velocities are `qd` + `dt` qdd, and move the coordinates.
     fn step_semi_implicit_with<T: Scalar>(
         params: &Self::Params<T>,
         q: &Self::Q<T>,
@@ -768,7 +786,8 @@ pub trait Robot {
         const { not_generated() }
     }
 
-    /// Calls [`step_semi_implicit_with`](Self::step_semi_implicit_with) with the default parameters.
+    /// Calls [`step_semi_implicit_with`](Self::step_semi_implicit_with) with the default
+    /// parameters.
     fn step_semi_implicit<T: Scalar>(
         q: &Self::Q<T>,
         qd: &Self::V<T>,
@@ -781,9 +800,9 @@ pub trait Robot {
         Self::step_semi_implicit_with(&Self::Params::<T>::default(), q, qd, tau, dt)
     }
 
-    /// Returns the state after the time `dt` (s) by the semi-implicit Euler method, and its derivatives: `a` with
-    /// respect to the state before and `b` with respect to `tau`, arrays of columns. A state has the entries of q
-    /// (in tangent space), then the entries of qd.
+    /// Returns the state after the time `dt` (s) by the semi-implicit Euler method, and its
+    /// derivatives: `a` with respect to the state before and `b` with respect to `tau`, arrays of
+    /// columns. A state has the entries of q (in tangent space), then the entries of qd.
     fn step_semi_implicit_derivatives_with<T: Scalar>(
         params: &Self::Params<T>,
         q: &Self::Q<T>,
@@ -802,7 +821,8 @@ pub trait Robot {
         const { not_generated() }
     }
 
-    /// Calls [`step_semi_implicit_derivatives_with`](Self::step_semi_implicit_derivatives_with) with the default parameters.
+    /// Calls [`step_semi_implicit_derivatives_with`](Self::step_semi_implicit_derivatives_with)
+    /// with the default parameters.
     fn step_semi_implicit_derivatives<T: Scalar>(
         q: &Self::Q<T>,
         qd: &Self::V<T>,
@@ -820,10 +840,11 @@ pub trait Robot {
         Self::step_semi_implicit_derivatives_with(&Self::Params::<T>::default(), q, qd, tau, dt)
     }
 
-    /// Returns the state after the time `dt` (s) by the semi-implicit Euler method, and the gradients and the Hessian of
-    /// `costate`^T state: `dx` and `dtau` with respect to the state before and `tau`, and `dx_dx`, `dx_dtau` and
-    /// `dtau_dtau`, arrays of columns. A state has the entries of q (in tangent space), then the entries of qd. Displacements
-    /// of the state after the step are in tangent space, too.
+    /// Returns the state after the time `dt` (s) by the semi-implicit Euler method, and the
+    /// gradients and the Hessian of `costate`^T state: `dx` and `dtau` with respect to the state
+    /// before and `tau`, and `dx_dx`, `dx_dtau` and `dtau_dtau`, arrays of columns. A state has the
+    /// entries of q (in tangent space), then the entries of qd. Displacements of the state after
+    /// the step are in tangent space, too.
     fn step_semi_implicit_hessian_with<T: Scalar>(
         params: &Self::Params<T>,
         q: &Self::Q<T>,
@@ -846,7 +867,8 @@ pub trait Robot {
         const { not_generated() }
     }
 
-    /// Calls [`step_semi_implicit_hessian_with`](Self::step_semi_implicit_hessian_with) with the default parameters.
+    /// Calls [`step_semi_implicit_hessian_with`](Self::step_semi_implicit_hessian_with) with the
+    /// default parameters.
     fn step_semi_implicit_hessian<T: Scalar>(
         q: &Self::Q<T>,
         qd: &Self::V<T>,
@@ -875,8 +897,9 @@ pub trait Robot {
         )
     }
 
-    /// Returns the state after the time `dt` (s) under the constant joint forces `tau`, by a Runge-Kutta method of
-    /// fourth order. Rotations follow exponential maps, so quaternions keep length 1.
+    /// Returns the state after the time `dt` (s) under the constant joint forces `tau`, by a
+    /// Runge-Kutta method of fourth order. Rotations follow exponential maps, so quaternions keep
+    /// length 1.
     fn step_rk4_with<T: Scalar>(
         params: &Self::Params<T>,
         q: &Self::Q<T>,
@@ -903,8 +926,9 @@ pub trait Robot {
         Self::step_rk4_with(&Self::Params::<T>::default(), q, qd, tau, dt)
     }
 
-    /// Returns the state of `step_rk4`, and its derivatives: `a` with respect to the state before and `b` with respect
-    /// to `tau`, arrays of columns. A state has the entries of q (in tangent space), then the entries of qd.
+    /// Returns the state of `step_rk4`, and its derivatives: `a` with respect to the state before
+    /// and `b` with respect to `tau`, arrays of columns. A state has the entries of q (in tangent
+    /// space), then the entries of qd.
     fn step_rk4_derivatives_with<T: Scalar>(
         params: &Self::Params<T>,
         q: &Self::Q<T>,
@@ -923,7 +947,8 @@ pub trait Robot {
         const { not_generated() }
     }
 
-    /// Calls [`step_rk4_derivatives_with`](Self::step_rk4_derivatives_with) with the default parameters.
+    /// Calls [`step_rk4_derivatives_with`](Self::step_rk4_derivatives_with) with the default
+    /// parameters.
     fn step_rk4_derivatives<T: Scalar>(
         q: &Self::Q<T>,
         qd: &Self::V<T>,
@@ -941,9 +966,10 @@ pub trait Robot {
         Self::step_rk4_derivatives_with(&Self::Params::<T>::default(), q, qd, tau, dt)
     }
 
-    /// Returns the state after the time `dt` (s) under the constant joint forces `tau`, by the implicit midpoint rule: of
-    /// second order, symmetric, and stable under stiff damping. Three iterations of simplified Newton solve its
-    /// equations. Rotations follow exponential maps, so quaternions keep length 1.
+    /// Returns the state after the time `dt` (s) under the constant joint forces `tau`, by the
+    /// implicit midpoint rule: of second order, symmetric, and stable under stiff damping. Three
+    /// iterations of simplified Newton solve its equations. Rotations follow exponential maps, so
+    /// quaternions keep length 1.
     fn step_implicit_midpoint_with<T: Scalar>(
         params: &Self::Params<T>,
         q: &Self::Q<T>,
@@ -957,7 +983,8 @@ pub trait Robot {
         const { not_generated() }
     }
 
-    /// Calls [`step_implicit_midpoint_with`](Self::step_implicit_midpoint_with) with the default parameters.
+    /// Calls [`step_implicit_midpoint_with`](Self::step_implicit_midpoint_with) with the default
+    /// parameters.
     fn step_implicit_midpoint<T: Scalar>(
         q: &Self::Q<T>,
         qd: &Self::V<T>,
@@ -970,9 +997,9 @@ pub trait Robot {
         Self::step_implicit_midpoint_with(&Self::Params::<T>::default(), q, qd, tau, dt)
     }
 
-    /// Returns the state of `step_implicit_midpoint`, and the derivatives of the implicit midpoint rule: `a` with respect
-    /// to the state before and `b` with respect to `tau`, arrays of columns. A state has the entries of q (in tangent
-    /// space), then the entries of qd.
+    /// Returns the state of `step_implicit_midpoint`, and the derivatives of the implicit midpoint
+    /// rule: `a` with respect to the state before and `b` with respect to `tau`, arrays of columns.
+    /// A state has the entries of q (in tangent space), then the entries of qd.
     fn step_implicit_midpoint_derivatives_with<T: Scalar>(
         params: &Self::Params<T>,
         q: &Self::Q<T>,
@@ -991,7 +1018,9 @@ pub trait Robot {
         const { not_generated() }
     }
 
-    /// Calls [`step_implicit_midpoint_derivatives_with`](Self::step_implicit_midpoint_derivatives_with) with the default parameters.
+    /// Calls
+    /// [`step_implicit_midpoint_derivatives_with`](Self::step_implicit_midpoint_derivatives_with)
+    /// with the default parameters.
     fn step_implicit_midpoint_derivatives<T: Scalar>(
         q: &Self::Q<T>,
         qd: &Self::V<T>,
@@ -1009,12 +1038,12 @@ pub trait Robot {
         Self::step_implicit_midpoint_derivatives_with(&Self::Params::<T>::default(), q, qd, tau, dt)
     }
 
-    /// Returns the joint accelerations under the joint forces `tau` with the loops closed and the active
-    /// contacts held. Also returns the wrench on each constraint's link and the unmet part of the constraint's
-    /// acceleration, and the number of independent constraint rows. Loop constraints come first, in the order
-    /// of `LOOP_CONSTRAINT_NAMES`, at the second frame's origin in the first frame's axes. Contacts follow, in
-    /// the order of `CONTACT_NAMES`, at the frame's origin in world axes. Redundant rows get the multipliers of
-    /// smallest norm.
+    /// Returns the joint accelerations under the joint forces `tau` with the loops closed and the
+    /// active contacts held. Also returns the wrench on each constraint's link and the unmet part
+    /// of the constraint's acceleration, and the number of independent constraint rows. Loop
+    /// constraints come first, in the order of `LOOP_CONSTRAINT_NAMES`, at the second frame's
+    /// origin in the first frame's axes. Contacts follow, in the order of `CONTACT_NAMES`, at the
+    /// frame's origin in world axes. Redundant rows get the multipliers of smallest norm.
     #[doc(alias = "contact dynamics")]
     #[doc(alias = "pin.constraintDynamics")]
     fn constrained_forward_dynamics_with<T: Scalar>(
@@ -1036,7 +1065,8 @@ pub trait Robot {
         const { not_generated() }
     }
 
-    /// Calls [`constrained_forward_dynamics_with`](Self::constrained_forward_dynamics_with) with the default parameters.
+    /// Calls [`constrained_forward_dynamics_with`](Self::constrained_forward_dynamics_with) with
+    /// the default parameters.
     #[doc(alias = "contact dynamics")]
     #[doc(alias = "pin.constraintDynamics")]
     fn constrained_forward_dynamics<T: Scalar>(
@@ -1064,9 +1094,10 @@ pub trait Robot {
         )
     }
 
-    /// Returns the displacement and the velocity of each loop constraint's second frame relative to its first,
-    /// in the first frame's axes; then of each contact's frame, active or not, relative to its target, in world
-    /// axes. Components along free directions are zero. A rotation is its axis times the sine of its angle.
+    /// Returns the displacement and the velocity of each loop constraint's second frame relative to
+    /// its first, in the first frame's axes; then of each contact's frame, active or not, relative
+    /// to its target, in world axes. Components along free directions are zero. A rotation is its
+    /// axis times the sine of its angle.
     fn constraint_residual<T: Scalar>(
         q: &Self::Q<T>,
         qd: &Self::V<T>,
@@ -1078,9 +1109,10 @@ pub trait Robot {
         const { not_generated() }
     }
 
-    /// Returns the smallest step (in the metric of the mass matrix) that closes the loops at `q` and moves the
-    /// active contacts to their targets to first order, the smallest change of `qd` that keeps them there, and
-    /// the number of independent constraint rows. The settings `alpha` and `beta` have no effect.
+    /// Returns the smallest step (in the metric of the mass matrix) that closes the loops at `q`
+    /// and moves the active contacts to their targets to first order, the smallest change of `qd`
+    /// that keeps them there, and the number of independent constraint rows. The settings `alpha`
+    /// and `beta` have no effect.
     fn project_constraints_with<T: Scalar>(
         params: &Self::Params<T>,
         q: &Self::Q<T>,
@@ -1094,7 +1126,8 @@ pub trait Robot {
         const { not_generated() }
     }
 
-    /// Calls [`project_constraints_with`](Self::project_constraints_with) with the default parameters.
+    /// Calls [`project_constraints_with`](Self::project_constraints_with) with the default
+    /// parameters.
     fn project_constraints<T: Scalar>(
         q: &Self::Q<T>,
         qd: &Self::V<T>,
@@ -1107,10 +1140,10 @@ pub trait Robot {
         Self::project_constraints_with(&Self::Params::<T>::default(), q, qd, contacts, settings)
     }
 
-    /// Returns the accelerations and the wrenches of `constrained_forward_dynamics`, and their derivatives with
-    /// respect to `q` (in tangent space), `qd` and `tau`, each an array of columns. The derivatives of wrenches
-    /// are arrays for each constraint, in the axes of the wrenches. The rank is assumed constant; redundant
-    /// rows get the derivatives of smallest norm.
+    /// Returns the accelerations and the wrenches of `constrained_forward_dynamics`, and their
+    /// derivatives with respect to `q` (in tangent space), `qd` and `tau`, each an array of
+    /// columns. The derivatives of wrenches are arrays for each constraint, in the axes of the
+    /// wrenches. The rank is assumed constant; redundant rows get the derivatives of smallest norm.
     #[doc(alias = "pin.computeConstraintDynamicsDerivatives")]
     fn constrained_forward_dynamics_derivatives_with<T: Scalar>(
         params: &Self::Params<T>,
@@ -1132,7 +1165,9 @@ pub trait Robot {
         const { not_generated() }
     }
 
-    /// Calls [`constrained_forward_dynamics_derivatives_with`](Self::constrained_forward_dynamics_derivatives_with) with the default parameters.
+    /// Calls
+    /// [`constrained_forward_dynamics_derivatives_with`](Self::constrained_forward_dynamics_derivatives_with)
+    /// with the default parameters.
     #[doc(alias = "pin.computeConstraintDynamicsDerivatives")]
     fn constrained_forward_dynamics_derivatives<T: Scalar>(
         q: &Self::Q<T>,
@@ -1160,11 +1195,12 @@ pub trait Robot {
         )
     }
 
-    /// Returns the accelerations and the wrenches of `constrained_forward_dynamics`, and the gradients and the
-    /// Hessian of their sum with the weights `cotangent` and `wrench_cotangent` (of the components of the wrenches)
-    /// with respect to `q` (in tangent space), `qd` and `tau`. The blocks of the Hessian are arrays of columns; the
-    /// blocks of `qd` and `tau` and of `tau` and `tau` are zero. The rank is assumed constant. Weights of wrenches
-    /// need independent rows, or compliance.
+    /// Returns the accelerations and the wrenches of `constrained_forward_dynamics`, and the
+    /// gradients and the Hessian of their sum with the weights `cotangent` and `wrench_cotangent`
+    /// (of the components of the wrenches) with respect to `q` (in tangent space), `qd` and `tau`.
+    /// The blocks of the Hessian are arrays of columns; the blocks of `qd` and `tau` and of `tau`
+    /// and `tau` are zero. The rank is assumed constant. Weights of wrenches need independent rows,
+    /// or compliance.
     fn constrained_forward_dynamics_hessian_with<T: Scalar>(
         params: &Self::Params<T>,
         q: &Self::Q<T>,
@@ -1181,7 +1217,9 @@ pub trait Robot {
         const { not_generated() }
     }
 
-    /// Calls [`constrained_forward_dynamics_hessian_with`](Self::constrained_forward_dynamics_hessian_with) with the default parameters.
+    /// Calls
+    /// [`constrained_forward_dynamics_hessian_with`](Self::constrained_forward_dynamics_hessian_with)
+    /// with the default parameters.
     fn constrained_forward_dynamics_hessian<T: Scalar>(
         q: &Self::Q<T>,
         qd: &Self::V<T>,
@@ -1206,10 +1244,10 @@ pub trait Robot {
         )
     }
 
-    /// Returns the velocities after an impact that closes the loops and stops the active contacts relative to
-    /// their targets at the same instant, the impulse of each constraint, and the number of independent
-    /// constraint rows. Along its normal, a contact leaves with `restitution` times the speed before the
-    /// impact. The settings `alpha` and `beta` have no effect.
+    /// Returns the velocities after an impact that closes the loops and stops the active contacts
+    /// relative to their targets at the same instant, the impulse of each constraint, and the
+    /// number of independent constraint rows. Along its normal, a contact leaves with `restitution`
+    /// times the speed before the impact. The settings `alpha` and `beta` have no effect.
     #[doc(alias = "impact dynamics")]
     #[doc(alias = "pin.impulseDynamics")]
     fn impact_dynamics_with<T: Scalar>(
@@ -1240,11 +1278,13 @@ pub trait Robot {
         Self::impact_dynamics_with(&Self::Params::<T>::default(), q, qd, contacts, settings)
     }
 
-    /// Returns the state after a step of the time `dt` (s) under the joint forces `tau`, with contacts, joint limits, dry
-    /// joint friction and closed loops by MuJoCo's law: soft constraints whose forces minimize a convex function. The solver is Newton's
-    /// method, to the tolerance of `step_settings`; `residual` says how far it came, relative to the largest force. It
-    /// starts from the accelerations `warm_start`: `qdd` of the last step, or zeros. The integrator is semi-implicit Euler,
-    /// implicit in joint damping, or MuJoCo's `implicitfast`, as the description says.
+    /// Returns the state after a step of the time `dt` (s) under the joint forces `tau`, with
+    /// contacts, joint limits, dry joint friction and closed loops by MuJoCo's law: soft
+    /// constraints whose forces minimize a convex function. The solver is Newton's method, to the
+    /// tolerance of `step_settings`; `residual` says how far it came, relative to the largest
+    /// force. It starts from the accelerations `warm_start`: `qdd` of the last step, or zeros. The
+    /// integrator is semi-implicit Euler, implicit in joint damping, or MuJoCo's `implicitfast`, as
+    /// the description says.
     #[doc(alias = "mj_step")]
     fn step_with<T: Scalar>(
         params: &Self::Params<T>,
@@ -1277,7 +1317,11 @@ pub trait Robot {
         Self::step_with(&Self::Params::<T>::default(), q, qd, tau, dt, warm_start, step_settings)
     }
 
-    /// Returns the results of `step`, and the derivatives of the state after it: `a` with respect to the state before and `b` with respect to `tau`, arrays of columns. A state has the entries of q (in tangent space), then the entries of qd. The derivatives follow from the implicit function theorem at the solution; where a contact opens or closes, or a point begins to slide, they are one-sided.
+    /// Returns the results of `step`, and the derivatives of the state after it: `a` with respect
+    /// to the state before and `b` with respect to `tau`, arrays of columns. A state has the
+    /// entries of q (in tangent space), then the entries of qd. The derivatives follow from the
+    /// implicit function theorem at the solution; where a contact opens or closes, or a point
+    /// begins to slide, they are one-sided.
     #[doc(alias = "linearization")]
     #[doc(alias = "mjd_transitionFD")]
     fn step_derivatives_with<T: Scalar>(
@@ -1338,9 +1382,10 @@ pub trait Robot {
         )
     }
 
-    /// Returns the joint forces `tau` of the actuators under the controls `ctrl`, in the order of `CONTROL_NAMES`, and the
-    /// activations after the time `dt` (s), in the order of `ACTIVATION_NAMES`. The laws are MuJoCo's: controls, forces,
-    /// activations and joint forces are clamped to the ranges of the description.
+    /// Returns the joint forces `tau` of the actuators under the controls `ctrl`, in the order of
+    /// `CONTROL_NAMES`, and the activations after the time `dt` (s), in the order of
+    /// `ACTIVATION_NAMES`. The laws are MuJoCo's: controls, forces, activations and joint forces
+    /// are clamped to the ranges of the description.
     #[doc(alias = "mj_fwdActuation")]
     fn actuate<T: Scalar>(
         q: &Self::Q<T>,
@@ -1355,9 +1400,10 @@ pub trait Robot {
         const { not_generated() }
     }
 
-    /// Returns the state and the activations after a step of the time `dt` (s) under the controls `ctrl`: MuJoCo's `mj_step`. The
-    /// joint forces are the result of `actuate` at the state before the step, and the forces `applied` beside it (MuJoCo's
-    /// `qfrc_applied`). All else is as in `step`.
+    /// Returns the state and the activations after a step of the time `dt` (s) under the controls
+    /// `ctrl`: MuJoCo's `mj_step`. The joint forces are the result of `actuate` at the state before
+    /// the step, and the forces `applied` beside it (MuJoCo's `qfrc_applied`). All else is as in
+    /// `step`.
     #[doc(alias = "mj_step")]
     fn step_actuated_with<T: Scalar>(
         params: &Self::Params<T>,
@@ -1420,7 +1466,10 @@ pub trait Robot {
         )
     }
 
-    /// Returns the results of `step_actuated`, and the derivatives of the state after it: `a` with respect to the state before and `b` with respect to `ctrl`, arrays of columns. A state has the entries of q (in tangent space), the entries of qd, then `act`. All else is as in `step_derivatives`.
+    /// Returns the results of `step_actuated`, and the derivatives of the state after it: `a` with
+    /// respect to the state before and `b` with respect to `ctrl`, arrays of columns. A state has
+    /// the entries of q (in tangent space), the entries of qd, then `act`. All else is as in
+    /// `step_derivatives`.
     #[doc(alias = "linearization")]
     #[doc(alias = "mjd_transitionFD")]
     fn step_actuated_derivatives_with<T: Scalar>(
@@ -1450,7 +1499,8 @@ pub trait Robot {
         const { not_generated() }
     }
 
-    /// Calls [`step_actuated_derivatives_with`](Self::step_actuated_derivatives_with) with the default parameters.
+    /// Calls [`step_actuated_derivatives_with`](Self::step_actuated_derivatives_with) with the
+    /// default parameters.
     #[doc(alias = "linearization")]
     #[doc(alias = "mjd_transitionFD")]
     fn step_actuated_derivatives<T: Scalar>(
@@ -1489,11 +1539,11 @@ pub trait Robot {
         )
     }
 
-    /// Returns the joint forces of the accelerations `qdd`, the wrenches of the active contacts that carry the
-    /// floating bases, and the rank of the contacts' columns of the bases. The wrenches have the smallest sum
-    /// of (force^2 + (moment / l)^2) / weight with the characteristic length l of each contact. The joint
-    /// forces of a base are the wrench on it that no contact can carry. The wrenches of loop constraints are
-    /// zero.
+    /// Returns the joint forces of the accelerations `qdd`, the wrenches of the active contacts
+    /// that carry the floating bases, and the rank of the contacts' columns of the bases. The
+    /// wrenches have the smallest sum of (force^2 + (moment / l)^2) / weight with the
+    /// characteristic length l of each contact. The joint forces of a base are the wrench on it
+    /// that no contact can carry. The wrenches of loop constraints are zero.
     fn constrained_inverse_dynamics_with<T: Scalar>(
         params: &Self::Params<T>,
         q: &Self::Q<T>,
@@ -1508,7 +1558,8 @@ pub trait Robot {
         const { not_generated() }
     }
 
-    /// Calls [`constrained_inverse_dynamics_with`](Self::constrained_inverse_dynamics_with) with the default parameters.
+    /// Calls [`constrained_inverse_dynamics_with`](Self::constrained_inverse_dynamics_with) with
+    /// the default parameters.
     fn constrained_inverse_dynamics<T: Scalar>(
         q: &Self::Q<T>,
         qd: &Self::V<T>,
@@ -1529,9 +1580,10 @@ pub trait Robot {
         )
     }
 
-    /// Returns the Jacobian of each constraint, an array of columns. The product with `qd` is, for a loop
-    /// constraint, the constrained part of the twist of its second frame relative to its first, in the first
-    /// frame's axes; for a contact, active or not, the constrained part of its frame's twist in world axes.
+    /// Returns the Jacobian of each constraint, an array of columns. The product with `qd` is, for
+    /// a loop constraint, the constrained part of the twist of its second frame relative to its
+    /// first, in the first frame's axes; for a contact, active or not, the constrained part of its
+    /// frame's twist in world axes.
     fn constraint_jacobian<T: Scalar>(
         q: &Self::Q<T>,
     ) -> Self::PerConstraint<Self::PerVelocity<Twist<T>>>
@@ -1541,8 +1593,8 @@ pub trait Robot {
         const { not_generated() }
     }
 
-    /// Returns the bias acceleration of each constraint: the time derivative of `constraint_jacobian` times
-    /// `qd`, in the same axes.
+    /// Returns the bias acceleration of each constraint: the time derivative of
+    /// `constraint_jacobian` times `qd`, in the same axes.
     fn constraint_jacobian_dot_qd<T: Scalar>(
         q: &Self::Q<T>,
         qd: &Self::V<T>,
@@ -1553,10 +1605,11 @@ pub trait Robot {
         const { not_generated() }
     }
 
-    /// Returns the operational-space inertia of the constraints, its inverse J M^-1 J^T with the mass matrix M,
-    /// and the number of independent constraint rows. Both matrices are arrays of columns; each constraint has
-    /// its constrained rotations, then its constrained displacements, of a contact in world axes. The entries
-    /// of inactive contacts are zero. The inverse contains the compliance.
+    /// Returns the operational-space inertia of the constraints, its inverse J M^-1 J^T with the
+    /// mass matrix M, and the number of independent constraint rows. Both matrices are arrays of
+    /// columns; each constraint has its constrained rotations, then its constrained displacements,
+    /// of a contact in world axes. The entries of inactive contacts are zero. The inverse contains
+    /// the compliance.
     #[doc(alias = "operational-space inertia")]
     #[doc(alias = "Delassus matrix")]
     fn operational_space_inertia_with<T: Scalar>(
@@ -1571,7 +1624,8 @@ pub trait Robot {
         const { not_generated() }
     }
 
-    /// Calls [`operational_space_inertia_with`](Self::operational_space_inertia_with) with the default parameters.
+    /// Calls [`operational_space_inertia_with`](Self::operational_space_inertia_with) with the
+    /// default parameters.
     #[doc(alias = "operational-space inertia")]
     #[doc(alias = "Delassus matrix")]
     fn operational_space_inertia<T: Scalar>(
@@ -1585,9 +1639,10 @@ pub trait Robot {
         Self::operational_space_inertia_with(&Self::Params::<T>::default(), q, contacts, settings)
     }
 
-    /// Returns the regressor Y of inverse dynamics, an array of columns: tau = Y pi, without rotors and
-    /// friction. pi has ten entries for each moving link: mass, mass times centre of mass x, y, z, and
-    /// Ixx, Ixy, Ixz, Iyy, Iyz, Izz about the link's origin in the link's own axes (`PARAMETERS`).
+    /// Returns the regressor Y of inverse dynamics, an array of columns: tau = Y pi, without rotors
+    /// and friction. pi has ten entries for each moving link: mass, mass times centre of mass x, y,
+    /// z, and Ixx, Ixy, Ixz, Iyy, Iyz, Izz about the link's origin in the link's own axes
+    /// (`PARAMETERS`).
     #[doc(alias = "pin.computeJointTorqueRegressor")]
     fn regressor_with<T: Scalar>(
         params: &Self::Params<T>,
@@ -1630,8 +1685,8 @@ pub trait Robot {
         Self::center_of_mass_with(&Self::Params::<T>::default(), q)
     }
 
-    /// Returns the Jacobian of the centre of mass, an array of columns. Its product with `qd` is the velocity
-    /// of the centre of mass in world axes.
+    /// Returns the Jacobian of the centre of mass, an array of columns. Its product with `qd` is
+    /// the velocity of the centre of mass in world axes.
     #[doc(alias = "pin.jacobianCenterOfMass")]
     #[doc(alias = "mj_jacSubtreeCom")]
     fn center_of_mass_jacobian_with<T: Scalar>(
@@ -1644,7 +1699,8 @@ pub trait Robot {
         const { not_generated() }
     }
 
-    /// Calls [`center_of_mass_jacobian_with`](Self::center_of_mass_jacobian_with) with the default parameters.
+    /// Calls [`center_of_mass_jacobian_with`](Self::center_of_mass_jacobian_with) with the default
+    /// parameters.
     #[doc(alias = "pin.jacobianCenterOfMass")]
     #[doc(alias = "mj_jacSubtreeCom")]
     fn center_of_mass_jacobian<T: Scalar>(q: &Self::Q<T>) -> Self::PerVelocity<Vector3<T>>
@@ -1654,8 +1710,9 @@ pub trait Robot {
         Self::center_of_mass_jacobian_with(&Self::Params::<T>::default(), q)
     }
 
-    /// Returns the centroidal momentum matrix, an array of columns. Its product with `qd` is the momentum about
-    /// the centre of mass, in world axes. Rotors have energy, but no momentum: their axes are not described.
+    /// Returns the centroidal momentum matrix, an array of columns. Its product with `qd` is the
+    /// momentum about the centre of mass, in world axes. Rotors have energy, but no momentum: their
+    /// axes are not described.
     #[doc(alias = "CMM")]
     #[doc(alias = "pin.ccrba")]
     fn centroidal_momentum_matrix_with<T: Scalar>(
@@ -1668,7 +1725,8 @@ pub trait Robot {
         const { not_generated() }
     }
 
-    /// Calls [`centroidal_momentum_matrix_with`](Self::centroidal_momentum_matrix_with) with the default parameters.
+    /// Calls [`centroidal_momentum_matrix_with`](Self::centroidal_momentum_matrix_with) with the
+    /// default parameters.
     #[doc(alias = "CMM")]
     #[doc(alias = "pin.ccrba")]
     fn centroidal_momentum_matrix<T: Scalar>(q: &Self::Q<T>) -> Self::PerVelocity<Momentum<T>>
@@ -1678,8 +1736,9 @@ pub trait Robot {
         Self::centroidal_momentum_matrix_with(&Self::Params::<T>::default(), q)
     }
 
-    /// Returns the centroidal composite inertia, an array of columns. Its product with a twist is the momentum about the
-    /// centre of mass, in world axes, of all moving links as one rigid body with this twist at the centre of mass.
+    /// Returns the centroidal composite inertia, an array of columns. Its product with a twist is
+    /// the momentum about the centre of mass, in world axes, of all moving links as one rigid body
+    /// with this twist at the centre of mass.
     fn centroidal_composite_inertia_with<T: Scalar>(
         params: &Self::Params<T>,
         q: &Self::Q<T>,
@@ -1690,7 +1749,8 @@ pub trait Robot {
         const { not_generated() }
     }
 
-    /// Calls [`centroidal_composite_inertia_with`](Self::centroidal_composite_inertia_with) with the default parameters.
+    /// Calls [`centroidal_composite_inertia_with`](Self::centroidal_composite_inertia_with) with
+    /// the default parameters.
     fn centroidal_composite_inertia<T: Scalar>(q: &Self::Q<T>) -> [Momentum<T>; 6]
     where
         Self: functions::CentroidalCompositeInertia,
@@ -1698,8 +1758,8 @@ pub trait Robot {
         Self::centroidal_composite_inertia_with(&Self::Params::<T>::default(), q)
     }
 
-    /// Returns the momentum of the moving links about their centre of mass, in world axes. Rotors have energy, but no
-    /// momentum: their axes are not described.
+    /// Returns the momentum of the moving links about their centre of mass, in world axes. Rotors
+    /// have energy, but no momentum: their axes are not described.
     #[doc(alias = "pin.computeCentroidalMomentum")]
     fn centroidal_momentum_with<T: Scalar>(
         params: &Self::Params<T>,
@@ -1712,7 +1772,8 @@ pub trait Robot {
         const { not_generated() }
     }
 
-    /// Calls [`centroidal_momentum_with`](Self::centroidal_momentum_with) with the default parameters.
+    /// Calls [`centroidal_momentum_with`](Self::centroidal_momentum_with) with the default
+    /// parameters.
     #[doc(alias = "pin.computeCentroidalMomentum")]
     fn centroidal_momentum<T: Scalar>(q: &Self::Q<T>, qd: &Self::V<T>) -> Momentum<T>
     where
@@ -1721,9 +1782,9 @@ pub trait Robot {
         Self::centroidal_momentum_with(&Self::Params::<T>::default(), q, qd)
     }
 
-    /// Returns the time derivative of the centroidal momentum in world axes: the moment (N m) and the force (N) about the
-    /// centre of mass of gravity and of all forces from outside. At `qdd` = 0 it is the bias A' qd, with the centroidal
-    /// momentum matrix A.
+    /// Returns the time derivative of the centroidal momentum in world axes: the moment (N m) and
+    /// the force (N) about the centre of mass of gravity and of all forces from outside. At `qdd` =
+    /// 0 it is the bias A' qd, with the centroidal momentum matrix A.
     #[doc(alias = "pin.computeCentroidalMomentumTimeVariation")]
     fn centroidal_momentum_rate_with<T: Scalar>(
         params: &Self::Params<T>,
@@ -1737,7 +1798,8 @@ pub trait Robot {
         const { not_generated() }
     }
 
-    /// Calls [`centroidal_momentum_rate_with`](Self::centroidal_momentum_rate_with) with the default parameters.
+    /// Calls [`centroidal_momentum_rate_with`](Self::centroidal_momentum_rate_with) with the
+    /// default parameters.
     #[doc(alias = "pin.computeCentroidalMomentumTimeVariation")]
     fn centroidal_momentum_rate<T: Scalar>(
         q: &Self::Q<T>,
@@ -1750,9 +1812,10 @@ pub trait Robot {
         Self::centroidal_momentum_rate_with(&Self::Params::<T>::default(), q, qd, qdd)
     }
 
-    /// Returns the momentum of the moving links about their centre of mass, its time derivative at `qdd` (the rate), and the
-    /// derivatives of both with respect to `q` (in tangent space) and `qd`, arrays of columns, in world axes. The derivatives
-    /// of the momentum with respect to `qd`, and of the rate with respect to `qdd`, are the centroidal momentum matrix.
+    /// Returns the momentum of the moving links about their centre of mass, its time derivative at
+    /// `qdd` (the rate), and the derivatives of both with respect to `q` (in tangent space) and
+    /// `qd`, arrays of columns, in world axes. The derivatives of the momentum with respect to
+    /// `qd`, and of the rate with respect to `qdd`, are the centroidal momentum matrix.
     #[doc(alias = "pin.computeCentroidalDynamicsDerivatives")]
     fn centroidal_momentum_derivatives_with<T: Scalar>(
         params: &Self::Params<T>,
@@ -1766,7 +1829,8 @@ pub trait Robot {
         const { not_generated() }
     }
 
-    /// Calls [`centroidal_momentum_derivatives_with`](Self::centroidal_momentum_derivatives_with) with the default parameters.
+    /// Calls [`centroidal_momentum_derivatives_with`](Self::centroidal_momentum_derivatives_with)
+    /// with the default parameters.
     #[doc(alias = "pin.computeCentroidalDynamicsDerivatives")]
     fn centroidal_momentum_derivatives<T: Scalar>(
         q: &Self::Q<T>,
@@ -1779,8 +1843,8 @@ pub trait Robot {
         Self::centroidal_momentum_derivatives_with(&Self::Params::<T>::default(), q, qd, qdd)
     }
 
-    /// Returns the poses in the world of all links of the description, fixed links included, in the order of
-    /// `LINK_NAMES`.
+    /// Returns the poses in the world of all links of the description, fixed links included, in the
+    /// order of `LINK_NAMES`.
     #[doc(alias = "forward kinematics")]
     #[doc(alias = "pin.framesForwardKinematics")]
     #[doc(alias = "mj_kinematics")]
@@ -1801,8 +1865,8 @@ pub trait Robot {
         const { not_generated() }
     }
 
-    /// Returns the velocity of a link's origin (m/s) and its angular velocity (rad/s), in world axes.
-    /// Computes the link's kinematic path only.
+    /// Returns the velocity of a link's origin (m/s) and its angular velocity (rad/s), in world
+    /// axes. Computes the link's kinematic path only.
     #[doc(alias = "pin.getFrameVelocity")]
     #[doc(alias = "mj_objectVelocity")]
     fn link_velocity<T: Scalar>(q: &Self::Q<T>, qd: &Self::V<T>, link: Self::Link) -> Twist<T>
@@ -1812,8 +1876,8 @@ pub trait Robot {
         const { not_generated() }
     }
 
-    /// Returns the velocity of a link's origin (m/s) and its angular velocity (rad/s), in the link's own axes.
-    /// Computes the link's kinematic path only.
+    /// Returns the velocity of a link's origin (m/s) and its angular velocity (rad/s), in the
+    /// link's own axes. Computes the link's kinematic path only.
     fn link_velocity_local<T: Scalar>(q: &Self::Q<T>, qd: &Self::V<T>, link: Self::Link) -> Twist<T>
     where
         Self: functions::LinkVelocityLocal,
@@ -1821,8 +1885,8 @@ pub trait Robot {
         const { not_generated() }
     }
 
-    /// Returns the classical acceleration of a link's origin (m/s^2) and its angular acceleration (rad/s^2), in
-    /// world axes. Gravity is not included. Computes the link's kinematic path only.
+    /// Returns the classical acceleration of a link's origin (m/s^2) and its angular acceleration
+    /// (rad/s^2), in world axes. Gravity is not included. Computes the link's kinematic path only.
     #[doc(alias = "pin.getFrameAcceleration")]
     #[doc(alias = "mj_objectAcceleration")]
     fn link_acceleration<T: Scalar>(
@@ -1837,8 +1901,9 @@ pub trait Robot {
         const { not_generated() }
     }
 
-    /// Returns the classical acceleration of a link's origin (m/s^2) and its angular acceleration (rad/s^2), in
-    /// the link's own axes. Gravity is not included. Computes the link's kinematic path only.
+    /// Returns the classical acceleration of a link's origin (m/s^2) and its angular acceleration
+    /// (rad/s^2), in the link's own axes. Gravity is not included. Computes the link's kinematic
+    /// path only.
     fn link_acceleration_local<T: Scalar>(
         q: &Self::Q<T>,
         qd: &Self::V<T>,
@@ -1851,8 +1916,8 @@ pub trait Robot {
         const { not_generated() }
     }
 
-    /// Returns the Jacobian of a link, an array of columns. Its product with `qd` is the velocity of the link
-    /// at its origin, in world axes. Computes the link's kinematic path only.
+    /// Returns the Jacobian of a link, an array of columns. Its product with `qd` is the velocity
+    /// of the link at its origin, in world axes. Computes the link's kinematic path only.
     #[doc(alias = "geometric Jacobian")]
     #[doc(alias = "pin.getFrameJacobian")]
     #[doc(alias = "mj_jacBody")]
@@ -1863,8 +1928,8 @@ pub trait Robot {
         const { not_generated() }
     }
 
-    /// Returns the Jacobian of a link, an array of columns. Its product with `qd` is the velocity of the link
-    /// at its origin, in the link's own axes. Computes the link's kinematic path only.
+    /// Returns the Jacobian of a link, an array of columns. Its product with `qd` is the velocity
+    /// of the link at its origin, in the link's own axes. Computes the link's kinematic path only.
     fn jacobian_local<T: Scalar>(q: &Self::Q<T>, link: Self::Link) -> Self::PerVelocity<Twist<T>>
     where
         Self: functions::JacobianLocal,
@@ -1872,8 +1937,8 @@ pub trait Robot {
         const { not_generated() }
     }
 
-    /// Returns the time derivative of `jacobian`, an array of columns. Its product with `qd` is `jacobian_dot_qd`.
-    /// Computes the link's kinematic path only.
+    /// Returns the time derivative of `jacobian`, an array of columns. Its product with `qd` is
+    /// `jacobian_dot_qd`. Computes the link's kinematic path only.
     #[doc(alias = "pin.getFrameJacobianTimeVariation")]
     #[doc(alias = "mj_jacDot")]
     fn jacobian_time_derivative<T: Scalar>(
@@ -1887,8 +1952,8 @@ pub trait Robot {
         const { not_generated() }
     }
 
-    /// Returns the time derivative of `jacobian_local`, an array of columns. Its product with `qd` is
-    /// `jacobian_dot_qd_local`. Computes the link's kinematic path only.
+    /// Returns the time derivative of `jacobian_local`, an array of columns. Its product with `qd`
+    /// is `jacobian_dot_qd_local`. Computes the link's kinematic path only.
     fn jacobian_time_derivative_local<T: Scalar>(
         q: &Self::Q<T>,
         qd: &Self::V<T>,
@@ -1900,8 +1965,9 @@ pub trait Robot {
         const { not_generated() }
     }
 
-    /// Returns the bias acceleration of a link in world axes: the time derivative of `jacobian` times `qd`, which
-    /// is the link's acceleration at zero joint accelerations. Computes the link's kinematic path only.
+    /// Returns the bias acceleration of a link in world axes: the time derivative of `jacobian`
+    /// times `qd`, which is the link's acceleration at zero joint accelerations. Computes the
+    /// link's kinematic path only.
     #[doc(alias = "Jdot qd")]
     #[doc(alias = "drift acceleration")]
     fn jacobian_dot_qd<T: Scalar>(q: &Self::Q<T>, qd: &Self::V<T>, link: Self::Link) -> Twist<T>
@@ -1911,8 +1977,8 @@ pub trait Robot {
         const { not_generated() }
     }
 
-    /// Returns the bias acceleration of a link in its own axes: the time derivative of `jacobian_local` times
-    /// `qd`. Computes the link's kinematic path only.
+    /// Returns the bias acceleration of a link in its own axes: the time derivative of
+    /// `jacobian_local` times `qd`. Computes the link's kinematic path only.
     fn jacobian_dot_qd_local<T: Scalar>(
         q: &Self::Q<T>,
         qd: &Self::V<T>,
@@ -1934,8 +2000,8 @@ pub trait Robot {
         const { not_generated() }
     }
 
-    /// Returns the displacement `v` with which `integrate` leads from `from` to `to`. Rotations are the shortest
-    /// ones; joint angles are not wrapped.
+    /// Returns the displacement `v` with which `integrate` leads from `from` to `to`. Rotations are
+    /// the shortest ones; joint angles are not wrapped.
     #[doc(alias = "pin.difference")]
     #[doc(alias = "mj_differentiatePos")]
     fn difference<T: Scalar>(from: &Self::Q<T>, to: &Self::Q<T>) -> Self::V<T>
@@ -1945,8 +2011,8 @@ pub trait Robot {
         const { not_generated() }
     }
 
-    /// Returns the derivatives of `integrate` with respect to `q` and `v`, each an array of columns in tangent
-    /// space: displacements of `q` and of the result are in the axes at each of them.
+    /// Returns the derivatives of `integrate` with respect to `q` and `v`, each an array of columns
+    /// in tangent space: displacements of `q` and of the result are in the axes at each of them.
     #[doc(alias = "pin.dIntegrate")]
     fn integrate_derivatives<T: Scalar>(
         q: &Self::Q<T>,
@@ -1958,8 +2024,8 @@ pub trait Robot {
         const { not_generated() }
     }
 
-    /// Returns the derivatives of `difference` with respect to `from` and `to`, each an array of columns in
-    /// tangent space: displacements are in the axes at `from` and at `to`.
+    /// Returns the derivatives of `difference` with respect to `from` and `to`, each an array of
+    /// columns in tangent space: displacements are in the axes at `from` and at `to`.
     #[doc(alias = "pin.dDifference")]
     fn difference_derivatives<T: Scalar>(
         from: &Self::Q<T>,
@@ -1989,8 +2055,9 @@ pub trait Robot {
         const { not_generated() }
     }
 
-    /// Returns coordinates within the joint limits, from random numbers uniformly distributed in [0, 1). Angles
-    /// without limits are in [-pi, pi), displacements without limits in [-1, 1) m, rotations uniform over SO(3).
+    /// Returns coordinates within the joint limits, from random numbers uniformly distributed in
+    /// [0, 1). Angles without limits are in [-pi, pi), displacements without limits in [-1, 1) m,
+    /// rotations uniform over SO(3).
     #[doc(alias = "pin.randomConfiguration")]
     fn random<T: Scalar>(uniforms: impl FnMut() -> T) -> Self::Q<T>
     where

@@ -28,7 +28,7 @@ pub(super) fn table() -> String {
             format!("`{}`", function.name()),
             row.known_as.iter().map(|name| known(name)).collect::<Vec<String>>().join(", "),
             arguments.join(", "),
-            row.docs.replace('\n', " "),
+            row.docs.into(),
             default.into(),
             of(row.needs_inertia).into(),
             of(row.depends_on_parameters).into(),

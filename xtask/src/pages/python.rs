@@ -136,7 +136,7 @@ fn functions() -> impl Iterator<Item = (usize, Function, Row)> {
 
 /// Returns the documentation of a function in Python's terms.
 fn docs(row: &Row) -> String {
-    let mut text = row.docs.replace('\n', " ");
+    let mut text = row.docs.to_owned();
     for part in [", each an array of columns", ", an array of columns", ", arrays of columns"] {
         text = text.replace(part, "");
     }

@@ -17,7 +17,7 @@ fn rows(is_row: impl Fn(&Row) -> bool) -> impl Iterator<Item = Row> {
 
 /// Returns lines of documentation.
 fn docs(text: &str) -> String {
-    text.lines().map(|line| format!("    /// {line}\n")).collect()
+    wrap(text, COLUMNS - 8).iter().map(|line| format!("    /// {line}\n")).collect()
 }
 
 /// Returns `head`, the items and `tail` in one line or, if it is too long, in a line for each item.
@@ -97,13 +97,17 @@ pub(super) fn functions_of_constraints_for_many_states() -> String {
 /// Returns the name of a type of several results and the types of its fields, once for each
 /// parameter of the type.
 fn several(shape: &Shape) -> Option<(&'static str, Vec<String>)> {
-    let Shape::Record(record @ (Record::Each(name) | Record::Several(name)), fields) = shape else {
+    let Shape::Record(
+        record @ (Record::ResultsByField(name) | Record::ResultsByType(name)),
+        fields,
+    ) = shape
+    else {
         return None;
     };
     let mut types: Vec<String> = Vec::new();
     for (_, field) in fields {
         let kind = type_of(field);
-        if matches!(record, Record::Each(_)) || !types.contains(&kind) {
+        if matches!(record, Record::ResultsByField(_)) || !types.contains(&kind) {
             types.push(kind);
         }
     }
@@ -121,7 +125,7 @@ fn type_of(shape: &Shape) -> String {
         Shape::Record(record, _) => match record {
             Record::Pose => "Pose<T>".into(),
             Record::Factorization => "Self::UduFactorization<T>".into(),
-            Record::Spatial(name) | Record::Plain(name) => format!("{name}<T>"),
+            Record::Spatial(name) | Record::OfScalar(name) => format!("{name}<T>"),
             _ => unreachable!("no function of the trait has a {record:?}"),
         },
     }

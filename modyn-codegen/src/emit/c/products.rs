@@ -4,8 +4,8 @@ use std::fmt::Write as _;
 use std::ops::Range;
 
 use super::{Array, Printer, literal};
+use crate::graph::dense::ProductTarget;
 use crate::program::{Operand, ProductMatrix, Products};
-use crate::trace::Target;
 
 /// Returns the arrays of the matrices.
 pub(super) fn arrays(products: &Products) -> impl Iterator<Item = Array> {
@@ -67,7 +67,7 @@ pub(super) fn print(
                 None => ("+", &targets[..]),
             };
             for target in targets {
-                let Target { first, by_row, by_column, rows } = target;
+                let ProductTarget { first, by_row, by_column, rows } = target;
                 let row =
                     if rows.start == 0 { "i".into() } else { format!("(i - {})", rows.start) };
                 let rows = target.rows_of(block);

@@ -154,12 +154,12 @@ impl Robot<'_> {
             _ => format!("{}.as_flattened()", p.name),
         };
         let mut flat = list(number_arguments().map(flattened).collect());
-        if has_sets {
-            let of_set = |p: &Parameter| match p.shape.len() {
-                0 => format!("{}, |()| []", p.name),
-                _ => format!("{}, |set| set.to_array()", p.name),
-            };
-            flat = format!("({flat}, {})", sets().map(of_set).collect::<Vec<_>>().join(", "));
+        if let Some(set) = sets().next() {
+            let flags = if set.shape.is_empty() { "|()| []" } else { "|set| set.to_array()" };
+            flat = format!(
+                "__modyn::batch::FlaggedStates {{ inputs: {flat}, sets: Some({}), flags: {flags} }}",
+                set.name
+            );
         }
         let for_all: String =
             shared().map(|p| format!("\n/// All states share `{}`.", p.name)).collect();

@@ -257,7 +257,7 @@ impl Robot<'_> {
 /// Returns the name of the constant of a keyframe: its name in capitals, with an ending if the type
 /// has another constant of the name. `text` has the constants so far.
 fn constant_name(keyframe: &str, text: &str) -> String {
-    /// Constants that follow those of keyframes in the text.
+    /// Constants that follow the keyframes' constants in the text.
     const LATER: &[&str] = &[
         "ARMATURE",
         "BASE_COLUMNS",

@@ -29,14 +29,14 @@ impl Robot<'_> {
             + &names(sizes.controls, "CONTROL_NAMES")
             + &names(sizes.activations, "ACTIVATION_NAMES");
         let shapes = self.model.touching_shapes();
-        let centers = shapes.iter().map(|TouchingShape { end, .. }| {
+        let center = |TouchingShape { end, .. }: &TouchingShape| {
             let center = ShapeCenter { link: end.frame, place: end.pose.translation };
             format!("__modyn::{center:?}, ")
-        });
-        let centers = match centers.collect::<String>() {
-            centers if centers.is_empty() => String::new(),
-            centers => format!(
-                "const TOUCHING_SHAPE_CENTERS: &'static [__modyn::ShapeCenter] = &[{centers}];\n"
+        };
+        let centers = match shapes.iter().map(center).collect::<String>() {
+            texts if texts.is_empty() => String::new(),
+            texts => format!(
+                "const TOUCHING_SHAPE_CENTERS: &'static [__modyn::ShapeCenter] = &[{texts}];\n"
             ),
         };
         let params =

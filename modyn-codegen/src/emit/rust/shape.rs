@@ -39,19 +39,19 @@ impl Shape {
         let (path, arguments) = match record {
             Record::Spatial(name) => (format!("__modyn::spatial::{name}"), "{t}".into()),
             Record::Pose => ("__modyn::spatial::Pose".into(), "{t}".into()),
-            Record::Plain(name) => (format!("__modyn::{name}"), "{t}".into()),
+            Record::OfScalar(name) => (format!("__modyn::{name}"), "{t}".into()),
             // Private functions have an array of numbers.
             Record::Contacts => {
                 return fields.into_iter().map(|(_, field)| field).next().unwrap_or(Self::Scalar);
             }
             Record::Factorization => (format!("{robot}UduFactorization"), "{t}".into()),
-            Record::Own(name) => (format!("{robot}{name}"), "{t}".into()),
-            Record::Each(name) => {
+            Record::Bundle(name) => (format!("{robot}{name}"), "{t}".into()),
+            Record::ResultsByField(name) => {
                 let types: Vec<String> =
                     fields.iter().map(|(_, field)| field.type_of("{t}")).collect();
                 (format!("__modyn::{name}"), types.join(", "))
             }
-            Record::Several(name) => {
+            Record::ResultsByType(name) => {
                 let mut types: Vec<String> = Vec::new();
                 for (_, field) in &fields {
                     let field = field.type_of("{t}");

@@ -160,11 +160,15 @@ fn empty(prefix: &str, matrices: &[CasadiMatrix]) -> Vec<CasadiMatrix> {
 }
 
 /// Returns the matrices that a function's result consists of, with their names. `CasADi` refuses a
-/// result with the name of an input: the fields of a state are those of the next state.
+/// result with the name of an input, so the fields of the resulting state are named for the next
+/// state.
 pub fn results(function: Function, sizes: &Sizes) -> Vec<(String, Shape)> {
     let row = function.row();
     match (row.result)(sizes) {
-        Shape::Record(Record::Several(_) | Record::Each(_) | Record::Pose, fields) => {
+        Shape::Record(
+            Record::ResultsByType(_) | Record::ResultsByField(_) | Record::Pose,
+            fields,
+        ) => {
             let name = |name: &str| match row.arguments.iter().any(|argument| argument.name == name)
             {
                 true => format!("{name}_next"),

@@ -20,6 +20,7 @@ pub use matrix::CasadiMatrix;
 use super::context::PlanContext;
 use super::limit::{Budget, TooLong};
 use super::packing;
+use super::wrapped::docs_of;
 use crate::names;
 use crate::passes::optimize;
 use crate::program::{Execution, Program};
@@ -82,6 +83,7 @@ impl CasadiPlan {
             let row = function.row();
             let family = Family::new(*function, context);
             let name = function.name();
+            let docs = docs_of(*function);
             let least = context.least_operations(*function);
             let before = plan.operations();
             let add = || match row.by_link {
@@ -92,7 +94,7 @@ impl CasadiPlan {
                         let graph = optimize(context.frames.of_link(link, evaluation));
                         let name = format!("{name}_{link_name}");
                         let derivatives = family.differentiated(tracer, &graph, MAX_OPERATIONS);
-                        plan.add(&name, row.docs, &family, derivatives);
+                        plan.add(&name, docs, &family, derivatives);
                     }
                 }
                 false => {
@@ -108,7 +110,7 @@ impl CasadiPlan {
                         }
                         _ => family.differentiated(tracer, &graph(), MAX_OPERATIONS),
                     };
-                    plan.add(name, row.docs, &family, derivatives);
+                    plan.add(name, docs, &family, derivatives);
                 }
             };
             budget.spend(name, least, add, |()| 0)?;

@@ -9,9 +9,9 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use modyn_runtime::equations::dynamics::Sweep;
 
+use crate::graph::bodies::{BodyGraphs, BodyKind};
 use crate::graph::{Graph, Id, Node};
 use crate::program::{Execution, Program, argument_of};
-use crate::trace::{BodyGraphs, BodyKind};
 
 /// The program of a body in a sweep. Its arguments are the body's constants, then the numbers that
 /// it reads.
@@ -83,14 +83,26 @@ pub(super) enum Number {
     Constant(usize),
 }
 
-/// The sweeps of a recursion, and the numbers that bodies have in them.
-pub(super) type Sweeps = &'static [(Sweep, usize)];
+/// The arguments that the graphs of all kinds have.
+#[derive(Clone, Copy)]
+struct Arguments {
+    /// The sweeps of the recursion, and the numbers that bodies have in them.
+    sweeps: &'static [(Sweep, usize)],
+    /// The number of run-time parameters.
+    parameters: usize,
+}
+
+impl Arguments {
+    fn of(graphs: &BodyGraphs) -> Self {
+        Self { sweeps: graphs.sweeps, parameters: graphs.parameters }
+    }
+}
 
 /// Returns the number that input `i` of a kind's graph is.
-fn number_of(kind: &BodyKind, (sweeps, parameters): (Sweeps, usize), input: usize) -> Number {
+fn number_of(kind: &BodyKind, arguments: Arguments, input: usize) -> Number {
     let [nq, nv] = kind.entries;
-    let exchanged = sweeps.iter().map(|(_, length)| *length);
-    let lengths = [nq, nv, nv, parameters].into_iter().chain(exchanged);
+    let exchanged = arguments.sweeps.iter().map(|(_, length)| *length);
+    let lengths = [nq, nv, nv, arguments.parameters].into_iter().chain(exchanged);
     match argument_of(input, lengths) {
         Ok((vector @ 0..3, entry)) => Number::Vector(vector, entry),
         Ok((3, parameter)) => Number::Parameter(parameter),
@@ -102,16 +114,16 @@ fn number_of(kind: &BodyKind, (sweeps, parameters): (Sweeps, usize), input: usiz
 /// Returns the numbers that some body reads when they pass between bodies: the sweep, and the index
 /// among its numbers.
 pub(super) fn received(graphs: &BodyGraphs) -> BTreeSet<(usize, usize)> {
-    let context = (graphs.sweeps, graphs.parameters);
-    graphs.kinds.iter().flat_map(|kind| received_by(kind, context)).collect()
+    let arguments = Arguments::of(graphs);
+    graphs.kinds.iter().flat_map(|kind| received_by(kind, arguments)).collect()
 }
 
 /// Returns the numbers that bodies of this kind read when they pass between bodies.
-fn received_by(kind: &BodyKind, context: (Sweeps, usize)) -> BTreeSet<(usize, usize)> {
+fn received_by(kind: &BodyKind, arguments: Arguments) -> BTreeSet<(usize, usize)> {
     let live = kind.graph.live();
     let nodes = kind.graph.nodes().iter().zip(live).filter(|(_, live)| *live);
     let exchanged = nodes.filter_map(|(node, _)| match node {
-        Node::Input(input) => match number_of(kind, context, *input as usize) {
+        Node::Input(input) => match number_of(kind, arguments, *input as usize) {
             Number::Exchanged(sweep, k) => Some((sweep, k)),
             _ => None,
         },
@@ -124,18 +136,15 @@ impl Kind {
     /// Returns the equations of all kinds, cut.
     pub fn all(graphs: &BodyGraphs) -> Vec<Self> {
         let needed = received(graphs);
-        let context = (graphs.sweeps, graphs.parameters);
-        graphs.kinds.iter().map(|kind| Self::new(kind, context, &needed)).collect()
+        let arguments = Arguments::of(graphs);
+        graphs.kinds.iter().map(|kind| Self::new(kind, arguments, &needed)).collect()
     }
 
     /// Returns the equations of a kind, cut. `needed` are the numbers between bodies that some body
     /// reads.
-    fn new(
-        kind: &BodyKind,
-        (sweeps, parameters): (Sweeps, usize),
-        needed: &BTreeSet<(usize, usize)>,
-    ) -> Self {
-        let cut = Cut::new(kind, (sweeps, parameters));
+    fn new(kind: &BodyKind, arguments: Arguments, needed: &BTreeSet<(usize, usize)>) -> Self {
+        let Arguments { sweeps, .. } = arguments;
+        let cut = Cut::new(kind, arguments);
         let mut outputs: Vec<Vec<(Number, Id)>> = vec![Vec::new(); sweeps.len()];
         let mut ids = kind.graph.outputs.iter().copied();
         for (sweep, count) in kind.own.iter().enumerate() {
@@ -210,7 +219,7 @@ impl Kind {
 /// A kind's graph with the sweep of each node.
 struct Cut<'a> {
     kind: &'a BodyKind,
-    context: (Sweeps, usize),
+    arguments: Arguments,
     /// For each node, the first sweep in which its operands are known.
     levels: Vec<usize>,
     /// For each node, whether each sweep that needs it computes it.
@@ -218,7 +227,7 @@ struct Cut<'a> {
 }
 
 impl<'a> Cut<'a> {
-    fn new(kind: &'a BodyKind, context: (Sweeps, usize)) -> Self {
+    fn new(kind: &'a BodyKind, arguments: Arguments) -> Self {
         let graph = &kind.graph;
         let mut levels = Vec::new();
         let mut is_repeated = Vec::new();
@@ -226,7 +235,7 @@ impl<'a> Cut<'a> {
         let mut is_given: Vec<bool> = Vec::new();
         for node in graph.nodes() {
             let number = match node {
-                Node::Input(input) => Some(number_of(kind, context, *input as usize)),
+                Node::Input(input) => Some(number_of(kind, arguments, *input as usize)),
                 _ => None,
             };
             let level = match number {
@@ -246,7 +255,7 @@ impl<'a> Cut<'a> {
             levels.push(level);
             is_given.push(given);
         }
-        Self { kind, context, levels, is_repeated }
+        Self { kind, arguments, levels, is_repeated }
     }
 
     /// Returns the equations of a sweep with these outputs.
@@ -267,7 +276,7 @@ impl<'a> Cut<'a> {
         for (id, node) in nodes.iter().enumerate().filter(|(id, _)| needed[*id]) {
             let number = match node {
                 _ if !is_computed(id) => Number::Kept(id as Id),
-                Node::Input(input) => number_of(self.kind, self.context, *input as usize),
+                Node::Input(input) => number_of(self.kind, self.arguments, *input as usize),
                 _ => {
                     ids[id] = graph.make(node.map(|operand| ids[operand as usize]));
                     continue;

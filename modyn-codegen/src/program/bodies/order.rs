@@ -1,10 +1,10 @@
-//! The order of the bodies: each after its parent, and those of one kind together where the tree
+//! The order of the bodies: each after its parent, and bodies of one kind together where the tree
 //! allows it.
 
 use std::collections::BTreeSet;
 
 use super::{PlacedBody, Run};
-use crate::trace::{BodyGraphs, LoopedBody};
+use crate::graph::bodies::{BodyGraphs, LoopedBody};
 
 /// Returns the bodies in an order with few runs, each body after its parent.
 pub(super) fn runs(graphs: &BodyGraphs) -> Vec<Run> {

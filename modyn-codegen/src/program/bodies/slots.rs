@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use modyn_runtime::equations::dynamics::Sweep;
 
-use super::cut::{Kind, Number, Sweeps};
+use super::cut::{Kind, Number};
 use crate::graph::Id;
 
 /// The places of the numbers of one kind's records.
@@ -19,7 +19,7 @@ pub(super) struct Slots {
 /// bodies that some body reads.
 pub(super) fn slots(
     kinds: &[Kind],
-    sweeps: Sweeps,
+    sweeps: &[(Sweep, usize)],
     needed: &BTreeSet<(usize, usize)>,
 ) -> (Vec<Slots>, usize) {
     let mut shared = Taken::default();

@@ -78,14 +78,3 @@ pub(super) fn write<S, X: Components<S>>(objects: &[X], numbers: &mut [S]) {
         object.write(numbers);
     }
 }
-
-/// Writes the scalars of the objects that `compute` assigns.
-pub(super) fn fill<S, X: Components<S>, E>(
-    numbers: &mut [S],
-    compute: impl FnOnce(&mut [X]) -> Result<(), E>,
-) -> Result<(), E> {
-    let mut objects = read(numbers);
-    compute(&mut objects)?;
-    write(&objects, numbers);
-    Ok(())
-}

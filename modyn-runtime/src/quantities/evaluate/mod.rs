@@ -1,23 +1,21 @@
 //! The evaluation of any function of the table on numbers.
 
+mod call;
 mod components;
-mod given;
+mod derivatives;
+mod external;
 mod records;
+mod steps;
 
-use components::{fill, write};
-use given::{Given, parts};
+use call::{Call, Given, Output};
 
-use super::arguments::{
-    COSTATE, COTANGENT, DQ, DQD, DQDD, DTAU, FROM, Q, QD, QDD, TAU, TO, UNIFORMS, V,
-};
+use super::arguments::{FROM, Q, QD, QDD, TAU, TO, UNIFORMS, V};
 use super::function::Function;
-use super::shape::{Shape, Sizes};
+use super::shape::Sizes;
 use crate::Scalar;
 use crate::equations::Forces;
-use crate::interpreter::{
-    ActuatorOutputs, ForwardDerivatives, FrameError, HessianOutputs, Interpreter, ShapeError,
-    StepHessianOutputs, StepOutputs, check,
-};
+use crate::interpreter::{FrameError, Interpreter, ShapeError, check};
+use crate::spatial::Vector3;
 
 impl<S: Scalar> Interpreter<S> {
     /// Computes any function of the table from numbers: `arguments` has a slice for each argument
@@ -71,7 +69,8 @@ impl<S: Scalar> Interpreter<S> {
         let shape = (row.result)(&sizes);
         check(function.result_name(), result, shape.len())?;
         let given = Given { arguments: row.arguments, numbers: arguments, link };
-        compute(self, function, &given, &shape, result)
+        let out = Output { shape: &shape, numbers: result };
+        compute(function, Call { robot: self, given, out })
     }
 
     /// Returns the sizes of the robot, which the lengths of arguments and results follow from.
@@ -82,231 +81,166 @@ impl<S: Scalar> Interpreter<S> {
 }
 
 /// Computes a function from numbers of the right lengths; a function of many states for one of them.
-fn compute<S: Scalar>(
-    robot: &mut Interpreter<S>,
-    function: Function,
-    given: &Given<'_, S>,
-    shape: &Shape,
-    out: &mut [S],
-) -> Result<(), FrameError> {
+fn compute<S: Scalar>(function: Function, call: Call<'_, S>) -> Result<(), FrameError> {
     use Function as F;
 
+    let given = call.given;
     let link = given.link;
     match function {
-        F::ForwardDynamics | F::ForwardDynamicsBatch => {
-            robot.forward_dynamics(&given[Q], &given[QD], &given[TAU], out)?
+        F::ForwardDynamics | F::ForwardDynamicsBatch => call.numbers(|robot, out| {
+            robot.forward_dynamics(&given[Q], &given[QD], &given[TAU], out)
+        })?,
+        F::InverseDynamics | F::InverseDynamicsBatch => call.numbers(|robot, out| {
+            robot.inverse_dynamics(&given[Q], &given[QD], &given[QDD], out)
+        })?,
+        F::BiasForces | F::BiasForcesBatch => {
+            call.numbers(|robot, out| robot.bias_forces(&given[Q], &given[QD], out))?
         }
-        F::InverseDynamics | F::InverseDynamicsBatch => {
-            robot.inverse_dynamics(&given[Q], &given[QD], &given[QDD], out)?
+        F::GravityTorques | F::GravityTorquesBatch => {
+            call.numbers(|robot, out| robot.gravity_torques(&given[Q], out))?
         }
-        F::BiasForces | F::BiasForcesBatch => robot.bias_forces(&given[Q], &given[QD], out)?,
-        F::GravityTorques | F::GravityTorquesBatch => robot.gravity_torques(&given[Q], out)?,
-        F::MassMatrix | F::MassMatrixBatch => robot.mass_matrix(&given[Q], out)?,
-        F::CoriolisMatrix => robot.coriolis_matrix(&given[Q], &given[QD], out)?,
-        F::Brge | F::BrgeBatch => robot.factorize(&given[Q], out),
+        F::MassMatrix | F::MassMatrixBatch => {
+            call.numbers(|robot, out| robot.mass_matrix(&given[Q], out))?
+        }
+        F::CoriolisMatrix => {
+            call.numbers(|robot, out| robot.coriolis_matrix(&given[Q], &given[QD], out))?
+        }
+        F::Brge | F::BrgeBatch => call.robot.factorize(&given[Q], call.out.numbers),
         F::KineticEnergy | F::KineticEnergyBatch => {
-            out[0] = robot.kinetic_energy(&given[Q], &given[QD])?
+            call.number(|robot| robot.kinetic_energy(&given[Q], &given[QD]))?
         }
         F::PotentialEnergy | F::PotentialEnergyBatch => {
-            out[0] = robot.potential_energy(&given[Q])?
+            call.number(|robot| robot.potential_energy(&given[Q]))?
         }
         F::ForwardDynamicsExternalLocal => {
-            let wrenches = given.forces();
-            let forces = Forces::InLinkAxes(&wrenches);
-            robot.forward_dynamics_external(&given[Q], &given[QD], &given[TAU], forces, out)?;
+            call.forward_dynamics_external(Forces::InLinkAxes(&given.forces()))?
         }
         F::ForwardDynamicsExternal => {
-            let wrenches = given.forces();
-            let forces = Forces::InWorldAxes(&wrenches);
-            robot.forward_dynamics_external(&given[Q], &given[QD], &given[TAU], forces, out)?;
+            call.forward_dynamics_external(Forces::InWorldAxes(&given.forces()))?
         }
         F::InverseDynamicsExternalLocal => {
-            let wrenches = given.forces();
-            let forces = Forces::InLinkAxes(&wrenches);
-            robot.inverse_dynamics_external(&given[Q], &given[QD], &given[QDD], forces, out)?;
+            call.inverse_dynamics_external(Forces::InLinkAxes(&given.forces()))?
         }
         F::InverseDynamicsExternal => {
-            let wrenches = given.forces();
-            let forces = Forces::InWorldAxes(&wrenches);
-            robot.inverse_dynamics_external(&given[Q], &given[QD], &given[QDD], forces, out)?;
+            call.inverse_dynamics_external(Forces::InWorldAxes(&given.forces()))?
         }
         F::GeneralizedForcesLocal => {
-            let [tau, dq] = parts(shape, out);
-            robot.generalized_forces(&given[Q], Forces::InLinkAxes(&given.forces()), tau, dq)?;
+            call.generalized_forces(Forces::InLinkAxes(&given.forces()))?
         }
-        F::GeneralizedForces => {
-            let [tau, dq] = parts(shape, out);
-            robot.generalized_forces(&given[Q], Forces::InWorldAxes(&given.forces()), tau, dq)?;
-        }
+        F::GeneralizedForces => call.generalized_forces(Forces::InWorldAxes(&given.forces()))?,
         F::InverseDynamicsDerivatives | F::InverseDynamicsDerivativesBatch => {
-            let [dq, dqd] = parts(shape, out);
-            robot.inverse_dynamics_derivatives(&given[Q], &given[QD], &given[QDD], dq, dqd)?;
+            call.inverse_dynamics_derivatives()?
         }
         F::ForwardDynamicsDerivatives | F::ForwardDynamicsDerivativesBatch => {
-            let [qdd, dqdd_dq, dqdd_dqd, dqdd_dtau] = parts(shape, out);
-            let outputs = ForwardDerivatives { qdd, dqdd_dq, dqdd_dqd, dqdd_dtau };
-            robot.forward_dynamics_derivatives(&given[Q], &given[QD], &given[TAU], outputs)?;
+            call.forward_dynamics_derivatives()?
         }
-        F::InverseDynamicsVjp => {
-            let [tau, gradients @ ..] = parts::<_, 4>(shape, out);
-            robot.inverse_dynamics_vjp(given.motion(), &given[COTANGENT], tau, gradients)?;
-        }
-        F::InverseDynamicsJvp => {
-            let [tau, dtau] = parts(shape, out);
-            let change = [DQ, DQD, DQDD].map(|argument| &given[argument]);
-            robot.inverse_dynamics_jvp(given.motion(), change, tau, dtau)?;
-        }
-        F::ForwardDynamicsVjp => {
-            let [qdd, gradients @ ..] = parts::<_, 4>(shape, out);
-            robot.forward_dynamics_vjp(given.forward_input(), &given[COTANGENT], qdd, gradients)?;
-        }
-        F::ForwardDynamicsJvp => {
-            let [qdd, dqdd] = parts(shape, out);
-            let change = [DQ, DQD, DTAU].map(|argument| &given[argument]);
-            robot.forward_dynamics_jvp(given.forward_input(), change, qdd, dqdd)?;
-        }
+        F::InverseDynamicsVjp => call.inverse_dynamics_vjp()?,
+        F::InverseDynamicsJvp => call.inverse_dynamics_jvp()?,
+        F::ForwardDynamicsVjp => call.forward_dynamics_vjp()?,
+        F::ForwardDynamicsJvp => call.forward_dynamics_jvp()?,
         F::InverseDynamicsHessian | F::InverseDynamicsHessianBatch => {
-            let [value, dx, dy, dz, hessian @ ..] = parts::<_, 8>(shape, out);
-            let outputs = HessianOutputs { value, gradients: [dx, dy, dz], hessian };
-            robot.inverse_dynamics_hessian(given.motion(), &given[COTANGENT], outputs)?;
+            call.inverse_dynamics_hessian()?
         }
         F::ForwardDynamicsHessian | F::ForwardDynamicsHessianBatch => {
-            let [value, dx, dy, dz, hessian @ ..] = parts::<_, 8>(shape, out);
-            let outputs = HessianOutputs { value, gradients: [dx, dy, dz], hessian };
-            robot.forward_dynamics_hessian(given.forward_input(), &given[COTANGENT], outputs)?;
+            call.forward_dynamics_hessian()?
         }
-        F::StepSemiImplicit => {
-            let [q, qd] = parts(shape, out);
-            robot.step_semi_implicit(given.time_step(), q, qd)?;
-        }
-        F::StepSemiImplicitDerivatives => {
-            let [q, qd, a, b] = parts(shape, out);
-            robot.step_semi_implicit_derivatives(given.time_step(), StepOutputs { q, qd, a, b })?;
-        }
-        F::StepSemiImplicitHessian => {
-            let [q, qd, dx, dtau, dx_dx, dx_dtau, dtau_dtau] = parts(shape, out);
-            let outputs = StepHessianOutputs { q, qd, dx, dtau, dx_dx, dx_dtau, dtau_dtau };
-            robot.step_semi_implicit_hessian(given.time_step(), &given[COSTATE], outputs)?;
-        }
-        F::StepRk4 => {
-            let [q, qd] = parts(shape, out);
-            robot.step_rk4(given.time_step(), q, qd)?;
-        }
-        F::StepRk4Derivatives => {
-            let [q, qd, a, b] = parts(shape, out);
-            robot.step_rk4_derivatives(given.time_step(), StepOutputs { q, qd, a, b })?;
-        }
-        F::StepImplicitMidpoint => {
-            let [q, qd] = parts(shape, out);
-            robot.step_implicit_midpoint(given.time_step(), q, qd)?;
-        }
-        F::StepImplicitMidpointDerivatives => {
-            let [q, qd, a, b] = parts(shape, out);
-            robot.step_implicit_midpoint_derivatives(
-                given.time_step(),
-                StepOutputs { q, qd, a, b },
-            )?;
-        }
+        F::StepSemiImplicit => call.step_semi_implicit()?,
+        F::StepSemiImplicitDerivatives => call.step_semi_implicit_derivatives()?,
+        F::StepSemiImplicitHessian => call.step_semi_implicit_hessian()?,
+        F::StepRk4 => call.step_rk4()?,
+        F::StepRk4Derivatives => call.step_rk4_derivatives()?,
+        F::StepImplicitMidpoint => call.step_implicit_midpoint()?,
+        F::StepImplicitMidpointDerivatives => call.step_implicit_midpoint_derivatives()?,
         F::ConstrainedForwardDynamics | F::ConstrainedForwardDynamicsBatch => {
-            records::constrained_forward_dynamics(robot, given, parts(shape, out))
+            call.constrained_forward_dynamics()
         }
-        F::ConstraintResidual | F::ConstraintResidualBatch => {
-            records::constraint_residual(robot, given, parts(shape, out))?
-        }
-        F::ProjectConstraints | F::ProjectConstraintsBatch => {
-            records::project_constraints(robot, given, parts(shape, out))
-        }
+        F::ConstraintResidual | F::ConstraintResidualBatch => call.constraint_residual()?,
+        F::ProjectConstraints | F::ProjectConstraintsBatch => call.project_constraints(),
         F::ConstrainedForwardDynamicsDerivatives
         | F::ConstrainedForwardDynamicsDerivativesBatch => {
-            records::constrained_forward_dynamics_derivatives(robot, given, parts(shape, out))
+            call.constrained_forward_dynamics_derivatives()
         }
-        F::ConstrainedForwardDynamicsHessian => {
-            records::constrained_forward_dynamics_hessian(robot, given, parts(shape, out))
-        }
-        F::ImpactDynamics | F::ImpactDynamicsBatch => {
-            records::impact_dynamics(robot, given, parts(shape, out))
-        }
-        F::Step => records::step(robot, given, parts(shape, out))?,
-        F::StepDerivatives => records::step_derivatives(robot, given, parts(shape, out))?,
-        F::Actuate | F::ActuateBatch => {
-            let [tau, act] = parts(shape, out);
-            robot.actuate(given.actuator_input(), ActuatorOutputs { tau, act })?;
-        }
-        F::StepActuated => records::step_actuated(robot, given, parts(shape, out))?,
-        F::StepActuatedDerivatives => {
-            records::step_actuated_derivatives(robot, given, parts(shape, out))?;
-        }
+        F::ConstrainedForwardDynamicsHessian => call.constrained_forward_dynamics_hessian(),
+        F::ImpactDynamics | F::ImpactDynamicsBatch => call.impact_dynamics(),
+        F::Step => call.step()?,
+        F::StepDerivatives => call.step_derivatives()?,
+        F::Actuate | F::ActuateBatch => call.actuate()?,
+        F::StepActuated => call.step_actuated()?,
+        F::StepActuatedDerivatives => call.step_actuated_derivatives()?,
         F::ConstrainedInverseDynamics | F::ConstrainedInverseDynamicsBatch => {
-            records::constrained_inverse_dynamics(robot, given, parts(shape, out))
+            call.constrained_inverse_dynamics()
         }
         F::ConstraintJacobian | F::ConstraintJacobianBatch => {
-            fill(out, |columns| robot.constraint_jacobian(&given[Q], columns))?
+            call.objects(|robot, columns| robot.constraint_jacobian(&given[Q], columns))?
         }
         F::ConstraintJacobianDotQd | F::ConstraintJacobianDotQdBatch => {
-            fill(out, |twists| robot.constraint_jacobian_dot_qd(given.state(), twists))?
+            call.objects(|robot, twists| robot.constraint_jacobian_dot_qd(given.state(), twists))?
         }
         F::OperationalSpaceInertia | F::OperationalSpaceInertiaBatch => {
-            records::operational_space_inertia(robot, given, parts(shape, out))
+            call.operational_space_inertia()
         }
-        F::Regressor => robot.regressor(&given[Q], &given[QD], &given[QDD], out)?,
-        F::CenterOfMass => out.copy_from_slice(&robot.center_of_mass(&given[Q])?),
+        F::Regressor => {
+            call.numbers(|robot, out| robot.regressor(&given[Q], &given[QD], &given[QDD], out))?
+        }
+        F::CenterOfMass => call.object(|robot| robot.center_of_mass(&given[Q]).map(Vector3))?,
         F::CenterOfMassJacobian => {
-            fill(out, |columns| robot.center_of_mass_jacobian(&given[Q], columns))?
+            call.objects(|robot, columns| robot.center_of_mass_jacobian(&given[Q], columns))?
         }
         F::CentroidalMomentumMatrix => {
-            fill(out, |columns| robot.centroidal_momentum_matrix(&given[Q], columns))?
+            call.objects(|robot, columns| robot.centroidal_momentum_matrix(&given[Q], columns))?
         }
-        F::CentroidalCompositeInertia => records::centroidal_composite_inertia(robot, given, out)?,
-        F::CentroidalMomentum => write(&[robot.centroidal_momentum(&given[Q], &given[QD])?], out),
-        F::CentroidalMomentumRate => write(&[robot.centroidal_momentum_rate(given.motion())?], out),
-        F::CentroidalMomentumDerivatives => {
-            records::centroidal_momentum_derivatives(robot, given, parts(shape, out))?
+        F::CentroidalCompositeInertia => call.centroidal_composite_inertia()?,
+        F::CentroidalMomentum => {
+            call.object(|robot| robot.centroidal_momentum(&given[Q], &given[QD]))?
         }
-        F::LinkPoses => fill(out, |poses| robot.link_poses(&given[Q], poses))?,
-        F::LinkPose => write(&[robot.link_pose(&given[Q], link)?], out),
-        F::LinkVelocity => write(&[robot.link_velocity(&given[Q], &given[QD], link)?], out),
+        F::CentroidalMomentumRate => {
+            call.object(|robot| robot.centroidal_momentum_rate(given.motion()))?
+        }
+        F::CentroidalMomentumDerivatives => call.centroidal_momentum_derivatives()?,
+        F::LinkPoses => call.objects(|robot, poses| robot.link_poses(&given[Q], poses))?,
+        F::LinkPose => call.object(|robot| robot.link_pose(&given[Q], link))?,
+        F::LinkVelocity => call.object(|robot| robot.link_velocity(&given[Q], &given[QD], link))?,
         F::LinkVelocityLocal => {
-            write(&[robot.link_velocity_local(&given[Q], &given[QD], link)?], out)
+            call.object(|robot| robot.link_velocity_local(&given[Q], &given[QD], link))?
         }
         F::LinkAcceleration => {
-            let acceleration = robot.link_acceleration(&given[Q], &given[QD], &given[QDD], link)?;
-            write(&[acceleration], out);
+            call.object(|robot| robot.link_acceleration(&given[Q], &given[QD], &given[QDD], link))?
         }
-        F::LinkAccelerationLocal => {
-            let acceleration =
-                robot.link_acceleration_local(&given[Q], &given[QD], &given[QDD], link)?;
-            write(&[acceleration], out);
+        F::LinkAccelerationLocal => call.object(|robot| {
+            robot.link_acceleration_local(&given[Q], &given[QD], &given[QDD], link)
+        })?,
+        F::Jacobian => call.objects(|robot, columns| robot.jacobian(&given[Q], link, columns))?,
+        F::JacobianLocal => {
+            call.objects(|robot, columns| robot.jacobian_local(&given[Q], link, columns))?
         }
-        F::Jacobian => fill(out, |columns| robot.jacobian(&given[Q], link, columns))?,
-        F::JacobianLocal => fill(out, |columns| robot.jacobian_local(&given[Q], link, columns))?,
-        F::JacobianTimeDerivative => fill(out, |columns| {
+        F::JacobianTimeDerivative => call.objects(|robot, columns| {
             robot.jacobian_time_derivative(&given[Q], &given[QD], link, columns)
         })?,
-        F::JacobianTimeDerivativeLocal => fill(out, |columns| {
+        F::JacobianTimeDerivativeLocal => call.objects(|robot, columns| {
             robot.jacobian_time_derivative_local(&given[Q], &given[QD], link, columns)
         })?,
-        F::JacobianDotQd => write(&[robot.jacobian_dot_qd(&given[Q], &given[QD], link)?], out),
+        F::JacobianDotQd => {
+            call.object(|robot| robot.jacobian_dot_qd(&given[Q], &given[QD], link))?
+        }
         F::JacobianDotQdLocal => {
-            write(&[robot.jacobian_dot_qd_local(&given[Q], &given[QD], link)?], out)
+            call.object(|robot| robot.jacobian_dot_qd_local(&given[Q], &given[QD], link))?
         }
-        F::Integrate => robot.integrate(&given[Q], &given[V], out)?,
-        F::Difference => robot.difference(&given[FROM], &given[TO], out)?,
-        F::IntegrateDerivatives => {
-            let [dq, dv] = parts(shape, out);
-            robot.integrate_derivatives(&given[Q], &given[V], dq, dv)?;
+        F::Integrate => call.numbers(|robot, out| robot.integrate(&given[Q], &given[V], out))?,
+        F::Difference => {
+            call.numbers(|robot, out| robot.difference(&given[FROM], &given[TO], out))?
         }
-        F::DifferenceDerivatives => {
-            let [dfrom, dto] = parts(shape, out);
-            robot.difference_derivatives(&given[FROM], &given[TO], dfrom, dto)?;
+        F::IntegrateDerivatives => call.integrate_derivatives()?,
+        F::DifferenceDerivatives => call.difference_derivatives()?,
+        F::VelocityToQdot => {
+            call.numbers(|robot, out| robot.velocity_to_qdot(&given[Q], &given[QD], out))?
         }
-        F::VelocityToQdot => robot.velocity_to_qdot(&given[Q], &given[QD], out)?,
         F::Normalize => {
-            out.copy_from_slice(&given[Q]);
-            robot.normalize(out)?;
+            call.out.numbers.copy_from_slice(&given[Q]);
+            call.robot.normalize(call.out.numbers)?;
         }
         F::Random => {
             let mut numbers = given[UNIFORMS].iter().copied();
-            robot.random(|| numbers.next().unwrap_or_else(S::zero), out)?;
+            call.robot.random(|| numbers.next().unwrap_or_else(S::zero), call.out.numbers)?;
         }
     }
     Ok(())

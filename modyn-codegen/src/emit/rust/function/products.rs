@@ -6,8 +6,8 @@ use std::ops::Range;
 
 use super::Printer;
 use crate::emit::rust::shape::Shape;
+use crate::graph::dense::ProductTarget;
 use crate::program::{Execution, Operand, ProductBlock, Products, ROW_LANES};
-use crate::trace::Target;
 
 impl Printer<'_> {
     /// Prints the end of a function: the products, and its result, which is `value` before. Entries
@@ -24,10 +24,10 @@ impl Printer<'_> {
         }
         let matrix = |first| format!("result{}", self.result.matrix(first));
         let all = products.targets.iter().enumerate();
-        // A, the columns of each B, and those of the products.
+        // A, the columns of each B, and the columns of the products.
         let (a, columns, sums): (String, Vec<String>, Vec<String>) = match products.in_place {
             Some(a) => {
-                let column = |(_, targets): (usize, &Vec<Target>)| {
+                let column = |(_, targets): (usize, &Vec<ProductTarget>)| {
                     format!("{}[column]", matrix(targets[0].first))
                 };
                 let columns: Vec<String> = all.map(column).collect();
@@ -102,7 +102,7 @@ impl Printer<'_> {
         products: &Products,
         block: &ProductBlock,
         product: &str,
-        target: &Target,
+        target: &ProductTarget,
     ) {
         let number = format!("{product}[row]");
         let replaces = products.replaces(block, target, &self.program.results);
@@ -115,7 +115,7 @@ impl Printer<'_> {
         };
         let rows = target.rows_of(block);
         if self.program.execution.has_many_states() {
-            let Target { first, by_row, by_column, rows: Range { start, .. } } = target;
+            let ProductTarget { first, by_row, by_column, rows: Range { start, .. } } = target;
             let row = if *start == 0 { "row".into() } else { format!("(row - {start})") };
             let name = if replaces { "set_at" } else { "add_at" };
             let place = format!("{first} + {by_column} * column + {by_row} * {row}");
@@ -246,7 +246,7 @@ impl Shape {
     }
 
     /// Returns the rows of a target in ranges, each of which is in one array.
-    fn arrays_of(&self, target: &Target, rows: Range<usize>) -> Vec<Range<usize>> {
+    fn arrays_of(&self, target: &ProductTarget, rows: Range<usize>) -> Vec<Range<usize>> {
         let mut ranges: Vec<Range<usize>> = Vec::new();
         for row in rows {
             let follows = |range: &Range<usize>| {
@@ -266,7 +266,12 @@ impl Shape {
 
     /// Returns the path from a value to the scalar of a target in `row`, one of `rows` in one
     /// array, and `column`, which are variables; a product has this many columns.
-    fn place_in_loops(&self, target: &Target, rows: &Range<usize>, columns: usize) -> String {
+    fn place_in_loops(
+        &self,
+        target: &ProductTarget,
+        rows: &Range<usize>,
+        columns: usize,
+    ) -> String {
         let first = self.steps(target.result(rows.start, 0));
         let mut path = first.clone();
         let mut vary = |variable: &str, next: Vec<String>, start: usize| {

@@ -3,7 +3,7 @@
 
 use std::ops::Range;
 
-use crate::graph::Graph;
+use super::Graph;
 
 /// A graph with dense parts. After the results, its outputs are the operands of the products, then
 /// the operands of the equations; after the arguments, its inputs are the results of the equations.
@@ -38,12 +38,12 @@ pub struct ProductForm {
     /// The number of the function's results, which come before the operands.
     pub results: usize,
     /// For each B, the results to which the rows of A B are added.
-    pub targets: Vec<Vec<Target>>,
+    pub targets: Vec<Vec<ProductTarget>>,
 }
 
 /// The results to which rows of a product are added.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Target {
+pub struct ProductTarget {
     /// The rows.
     pub rows: Range<usize>,
     /// The result for the first of these rows in the first column.
@@ -54,7 +54,7 @@ pub struct Target {
     pub by_column: usize,
 }
 
-impl Target {
+impl ProductTarget {
     /// Returns the target of a square product of `n` rows: a result by columns from `first` on.
     #[must_use]
     pub fn square(first: usize, n: usize) -> Self {
@@ -63,7 +63,7 @@ impl Target {
 
     /// Returns the targets of consecutive rows. Of each row: the result in the first column, and
     /// the distance to that in the next one.
-    pub(super) fn of_rows(rows: impl Iterator<Item = (usize, usize)>) -> Vec<Self> {
+    pub(crate) fn of_rows(rows: impl Iterator<Item = (usize, usize)>) -> Vec<Self> {
         let mut targets: Vec<Self> = Vec::new();
         for (row, (first, by_column)) in rows.enumerate() {
             match targets.last_mut() {

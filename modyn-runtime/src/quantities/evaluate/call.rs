@@ -1,16 +1,17 @@
-//! The arguments and the parts of the result of a function, by name.
+//! A call of a function: its arguments by name, and the parts of its result.
 
 use alloc::vec::Vec;
 use core::ops::Index;
 
 use super::super::arguments::{
-    ACT, Argument, CTRL, DT, FORCES, Q, QD, QDD, SETTINGS, STEP_SETTINGS, TAU, WARM_START,
+    ACT, APPLIED, Argument, CTRL, DT, FORCES, Q, QD, QDD, SETTINGS, STEP_SETTINGS, TAU, WARM_START,
 };
 use super::super::shape::{Record, Shape};
-use super::components::read;
+use super::components::{Components, read, write};
 use crate::equations::actuation::ActuatorInput;
-use crate::equations::soft_constraints::StepInput;
+use crate::equations::soft_constraints::{ActuatedInput, StepInput};
 use crate::equations::{ForwardInput, Motion, State, TimeStepInput};
+use crate::interpreter::Interpreter;
 use crate::spatial::Wrench;
 use crate::{ConstraintSettings, ContactSurface, ContactTarget, Scalar, StepSettings};
 
@@ -60,6 +61,14 @@ impl<S: Scalar> Given<'_, S> {
         ActuatorInput { q, qd, ctrl: &self[CTRL], act: &self[ACT], dt: self[DT][0] }
     }
 
+    pub fn actuated_input(&self) -> ActuatedInput<'_, S> {
+        ActuatedInput {
+            actuators: self.actuator_input(),
+            applied: &self[APPLIED],
+            warm_start: &self[WARM_START],
+        }
+    }
+
     /// Returns the wrench on each link.
     pub fn forces(&self) -> Vec<Wrench<S>> {
         read(&self[FORCES])
@@ -83,17 +92,71 @@ impl<S: Scalar> Given<'_, S> {
     }
 }
 
-/// Returns the fields of the result of a function with several results.
-pub(super) fn parts<'a, S, const N: usize>(
-    shape: &Shape,
-    mut numbers: &'a mut [S],
-) -> [&'a mut [S]; N] {
-    let Shape::Record(Record::Several(_) | Record::Each(_), fields) = shape else {
-        unreachable!("a function with several results")
-    };
-    core::array::from_fn(|k| {
-        let (part, rest) = core::mem::take(&mut numbers).split_at_mut(fields[k].1.len());
-        numbers = rest;
-        part
-    })
+/// The numbers of a result.
+pub(super) struct Output<'a, S> {
+    /// The layout of the result.
+    pub shape: &'a Shape,
+    pub numbers: &'a mut [S],
+}
+
+impl<'a, S> Output<'a, S> {
+    /// Returns the fields of the result of a function with several results.
+    pub fn parts<const N: usize>(self) -> [&'a mut [S]; N] {
+        let Self { shape, mut numbers } = self;
+        let Shape::Record(Record::ResultsByType(_) | Record::ResultsByField(_), fields) = shape
+        else {
+            unreachable!("a function with several results")
+        };
+        core::array::from_fn(|k| {
+            let (part, rest) = core::mem::take(&mut numbers).split_at_mut(fields[k].1.len());
+            numbers = rest;
+            part
+        })
+    }
+}
+
+/// A call of a function.
+pub(super) struct Call<'a, S> {
+    pub robot: &'a mut Interpreter<S>,
+    pub given: Given<'a, S>,
+    pub out: Output<'a, S>,
+}
+
+impl<S: Scalar> Call<'_, S> {
+    /// Sets the result to the number that `compute` returns.
+    pub fn number<E>(
+        self,
+        compute: impl FnOnce(&mut Interpreter<S>) -> Result<S, E>,
+    ) -> Result<(), E> {
+        self.out.numbers[0] = compute(self.robot)?;
+        Ok(())
+    }
+
+    /// Sets the result to the numbers that `compute` assigns.
+    pub fn numbers<E>(
+        self,
+        compute: impl FnOnce(&mut Interpreter<S>, &mut [S]) -> Result<(), E>,
+    ) -> Result<(), E> {
+        compute(self.robot, self.out.numbers)
+    }
+
+    /// Sets the result to the object that `compute` returns.
+    pub fn object<X: Components<S>, E>(
+        self,
+        compute: impl FnOnce(&mut Interpreter<S>) -> Result<X, E>,
+    ) -> Result<(), E> {
+        compute(self.robot)?.write(self.out.numbers);
+        Ok(())
+    }
+
+    /// Sets the result to the objects that `compute` assigns.
+    pub fn objects<X: Components<S>, E>(
+        self,
+        compute: impl FnOnce(&mut Interpreter<S>, &mut [X]) -> Result<(), E>,
+    ) -> Result<(), E> {
+        let mut objects = read(self.out.numbers);
+        compute(self.robot, &mut objects)?;
+        write(&objects, self.out.numbers);
+        Ok(())
+    }
 }

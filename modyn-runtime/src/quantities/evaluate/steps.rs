@@ -1,0 +1,95 @@
+//! The evaluation of time steps and actuators.
+
+use super::super::arguments::COSTATE;
+use super::call::Call;
+use crate::Scalar;
+use crate::interpreter::{
+    ActuatorOutputs, ShapeError, StateDerivatives, StepHessianOutputs, StepOutputs,
+    StepSolutionOutputs,
+};
+
+impl<S: Scalar> Call<'_, S> {
+    pub(super) fn step_semi_implicit(self) -> Result<(), ShapeError> {
+        let Self { robot, given, out } = self;
+        let [q, qd] = out.parts();
+        robot.step_semi_implicit(given.time_step(), q, qd)
+    }
+
+    pub(super) fn step_semi_implicit_derivatives(self) -> Result<(), ShapeError> {
+        let Self { robot, given, out } = self;
+        let [q, qd, a, b] = out.parts();
+        robot.step_semi_implicit_derivatives(given.time_step(), StepOutputs { q, qd, a, b })
+    }
+
+    pub(super) fn step_semi_implicit_hessian(self) -> Result<(), ShapeError> {
+        let Self { robot, given, out } = self;
+        let [q, qd, dx, dtau, dx_dx, dx_dtau, dtau_dtau] = out.parts();
+        let outputs = StepHessianOutputs { q, qd, dx, dtau, dx_dx, dx_dtau, dtau_dtau };
+        robot.step_semi_implicit_hessian(given.time_step(), &given[COSTATE], outputs)
+    }
+
+    pub(super) fn step_rk4(self) -> Result<(), ShapeError> {
+        let Self { robot, given, out } = self;
+        let [q, qd] = out.parts();
+        robot.step_rk4(given.time_step(), q, qd)
+    }
+
+    pub(super) fn step_rk4_derivatives(self) -> Result<(), ShapeError> {
+        let Self { robot, given, out } = self;
+        let [q, qd, a, b] = out.parts();
+        robot.step_rk4_derivatives(given.time_step(), StepOutputs { q, qd, a, b })
+    }
+
+    pub(super) fn step_implicit_midpoint(self) -> Result<(), ShapeError> {
+        let Self { robot, given, out } = self;
+        let [q, qd] = out.parts();
+        robot.step_implicit_midpoint(given.time_step(), q, qd)
+    }
+
+    pub(super) fn step_implicit_midpoint_derivatives(self) -> Result<(), ShapeError> {
+        let Self { robot, given, out } = self;
+        let [q, qd, a, b] = out.parts();
+        robot.step_implicit_midpoint_derivatives(given.time_step(), StepOutputs { q, qd, a, b })
+    }
+
+    pub(super) fn actuate(self) -> Result<(), ShapeError> {
+        let Self { robot, given, out } = self;
+        let [tau, act] = out.parts();
+        robot.actuate(given.actuator_input(), ActuatorOutputs { tau, act })
+    }
+
+    pub(super) fn step(self) -> Result<(), ShapeError> {
+        let Self { robot, given, out } = self;
+        let [q, qd, qdd, forces, residual, iterations] = out.parts();
+        let [residual, iterations] = [residual, iterations].map(|number| &mut number[0]);
+        let outputs = StepSolutionOutputs { q, qd, qdd, forces, residual, iterations };
+        robot.step(given.step_input(), &given.step_settings(), outputs)
+    }
+
+    pub(super) fn step_derivatives(self) -> Result<(), ShapeError> {
+        let Self { robot, given, out } = self;
+        let [q, qd, qdd, forces, a, b, residual, iterations] = out.parts();
+        let [residual, iterations] = [residual, iterations].map(|number| &mut number[0]);
+        let outputs = StepSolutionOutputs { q, qd, qdd, forces, residual, iterations };
+        let derivatives = StateDerivatives { a, b };
+        robot.step_derivatives(given.step_input(), &given.step_settings(), outputs, derivatives)
+    }
+
+    pub(super) fn step_actuated(self) -> Result<(), ShapeError> {
+        let Self { robot, given, out } = self;
+        let [q, qd, act, qdd, forces, residual, iterations] = out.parts();
+        let [residual, iterations] = [residual, iterations].map(|number| &mut number[0]);
+        let outputs = StepSolutionOutputs { q, qd, qdd, forces, residual, iterations };
+        robot.step_actuated(given.actuated_input(), &given.step_settings(), outputs, act)
+    }
+
+    pub(super) fn step_actuated_derivatives(self) -> Result<(), ShapeError> {
+        let Self { robot, given, out } = self;
+        let [q, qd, act, qdd, forces, a, b, residual, iterations] = out.parts();
+        let [residual, iterations] = [residual, iterations].map(|number| &mut number[0]);
+        let outputs = StepSolutionOutputs { q, qd, qdd, forces, residual, iterations };
+        let derivatives = StateDerivatives { a, b };
+        let input = given.actuated_input();
+        robot.step_actuated_derivatives(input, &given.step_settings(), outputs, act, derivatives)
+    }
+}
