@@ -1,28 +1,13 @@
 //! modyn's interpreter: one of the programs, and the reference for the results of all others.
 
-use modyn::equations::ForwardInput;
-use modyn::equations::constraints::ConstrainedOutputs;
-use modyn::{
-    ConstrainedDerivatives, ConstraintSettings, ContactTarget, ForwardDerivatives, Interpreter,
-    Twist, Wrench,
-};
+use std::ops::Range;
+
+use modyn::model::Model;
+use modyn::quantities::{Function, Record, Shape};
+use modyn::{ConstraintSettings, ContactTarget, Interpreter};
 
 use crate::measure::Job;
 use crate::{robots, states};
-
-/// Computes a quantity at q, qd, tau, qdd.
-type Function = fn(&mut Interpreter<f64>, [&[f64]; 4], &mut [f64]);
-
-/// Returns the number of scalars of a quantity.
-pub fn results(quantity: &str, nv: usize) -> usize {
-    match quantity {
-        "mass_matrix" => nv * nv,
-        "forward_dynamics_derivatives" | "constrained_forward_dynamics_derivatives" => {
-            nv + 3 * nv * nv
-        }
-        _ => nv,
-    }
-}
 
 /// Returns settings without stabilization.
 pub fn settings(contacts: usize) -> ConstraintSettings<f64, Vec<ContactTarget<f64>>> {
@@ -32,87 +17,84 @@ pub fn settings(contacts: usize) -> ConstraintSettings<f64, Vec<ContactTarget<f6
     ConstraintSettings { alpha, beta, tolerance, rounding, contacts }
 }
 
-/// Returns the function of the quantity with this name; matrices by columns, derivatives as qdd, then by q, qd and tau.
-pub fn function(quantity: &str) -> Function {
-    match quantity {
-        "forward_dynamics" => |robot, [q, qd, tau, _], out| {
-            robot.forward_dynamics(q, qd, tau, out).expect("sizes");
-        },
-        "inverse_dynamics" => |robot, [q, qd, _, qdd], out| {
-            robot.inverse_dynamics(q, qd, qdd, out).expect("sizes");
-        },
-        "mass_matrix" => |robot, [q, ..], out| robot.mass_matrix(q, out).expect("sizes"),
-        "forward_dynamics_derivatives" => |robot, [q, qd, tau, _], out| {
-            let n = qd.len();
-            let (qdd, out) = out.split_at_mut(n);
-            let (dqdd_dq, out) = out.split_at_mut(n * n);
-            let (dqdd_dqd, dqdd_dtau) = out.split_at_mut(n * n);
-            let outputs = ForwardDerivatives { qdd, dqdd_dq, dqdd_dqd, dqdd_dtau };
-            robot.forward_dynamics_derivatives(q, qd, tau, outputs).expect("sizes");
-        },
-        "constrained_forward_dynamics" => |robot, [q, qd, tau, _], out| {
-            let count = robot.model().contacts().len();
-            let (mut wrenches, mut residuals) =
-                (vec![Wrench::zero(); count], vec![Twist::zero(); count]);
-            let results =
-                ConstrainedOutputs { qdd: out, wrenches: &mut wrenches, residuals: &mut residuals };
-            robot
-                .constrained_forward_dynamics(
-                    ForwardInput { q, qd, tau },
-                    &vec![true; count],
-                    &settings(count),
-                    results,
-                )
-                .expect("sizes");
-        },
-        "constrained_forward_dynamics_derivatives" => |robot, [q, qd, tau, _], out| {
-            let (n, count) = (qd.len(), robot.model().contacts().len());
-            let (qdd, out) = out.split_at_mut(n);
-            let (dqdd_dq, out) = out.split_at_mut(n * n);
-            let (dqdd_dqd, dqdd_dtau) = out.split_at_mut(n * n);
-            let mut wrenches = vec![Wrench::zero(); count];
-            let mut changes = [0; 3].map(|_| vec![Wrench::zero(); n * count]);
-            let [dwrenches_dq, dwrenches_dqd, dwrenches_dtau] = &mut changes;
-            let outputs = ConstrainedDerivatives {
-                qdd,
-                wrenches: &mut wrenches,
-                dqdd_dq,
-                dqdd_dqd,
-                dqdd_dtau,
-                dwrenches_dq,
-                dwrenches_dqd,
-                dwrenches_dtau,
-            };
-            robot
-                .constrained_forward_dynamics_derivatives(
-                    ForwardInput { q, qd, tau },
-                    &vec![true; count],
-                    &settings(count),
-                    outputs,
-                )
-                .expect("sizes");
-        },
-        _ => panic!("no quantity `{quantity}`"),
+/// A quantity of a robot, all of whose contacts are active.
+pub struct Quantity {
+    interpreter: Interpreter<f64>,
+    function: Function,
+    /// The active contacts and the settings, as numbers.
+    contacts: Vec<f64>,
+    settings: Vec<f64>,
+    /// All numbers of the result.
+    result: Vec<f64>,
+    /// The places of the numbers that all programs compute: the result that is one array, or the
+    /// accelerations and their derivatives.
+    compared: Vec<Range<usize>>,
+}
+
+impl Quantity {
+    /// Returns the quantity of this name.
+    pub fn new(model: Model, name: &str) -> Self {
+        let interpreter = Interpreter::<f64>::new(model);
+        let function = *Function::ALL.iter().find(|one| one.name() == name).expect("a quantity");
+        let shape = (function.row().result)(&interpreter.sizes());
+        let count = interpreter.model().contacts().len();
+        let settings = settings(count);
+        let targets = settings.contacts.iter().flat_map(ContactTarget::numbers);
+        Self {
+            compared: compared(&shape),
+            result: vec![0.0; shape.len()],
+            contacts: vec![1.0; count],
+            settings: settings.numbers().into_iter().chain(targets).collect(),
+            interpreter,
+            function,
+        }
     }
+
+    /// Computes the quantity at q, qd, tau, qdd; matrices by columns.
+    pub fn compute(&mut self, [q, qd, tau, qdd]: [&[f64]; 4]) -> impl Iterator<Item = f64> {
+        let numbers = |name: &str| match name {
+            "q" => q,
+            "qd" => qd,
+            "tau" => tau,
+            "qdd" => qdd,
+            "contacts" => &self.contacts,
+            _ => &self.settings,
+        };
+        let row = self.function.row();
+        let arguments: Vec<&[f64]> =
+            row.arguments.iter().map(|argument| numbers(argument.name)).collect();
+        self.interpreter.evaluate(self.function, &arguments, 0, &mut self.result).expect("sizes");
+        self.compared.iter().flat_map(|range| self.result[range.clone()].iter().copied())
+    }
+}
+
+/// Returns the places of the numbers that all programs compute.
+fn compared(shape: &Shape) -> Vec<Range<usize>> {
+    let Shape::Record(Record::ResultsByType(_) | Record::ResultsByField(_), fields) = shape else {
+        return vec![0..shape.len()];
+    };
+    let mut next = 0;
+    let ranges = fields.iter().map(|(name, field)| {
+        next += field.len();
+        (*name, next - field.len()..next)
+    });
+    ranges
+        .filter(|(name, _)| ["qdd", "dq", "dqd", "dtau"].contains(name))
+        .map(|(_, range)| range)
+        .collect()
 }
 
 /// Measures the interpreter.
 pub fn measure(job: &Job) {
     let robots = robots::all();
     let robot = robots.iter().find(|robot| robot.name == job.robot).expect("a robot");
-    let mut interpreter = Interpreter::<f64>::new(states::model(robot));
+    let mut quantity = Quantity::new(states::model(robot), &job.quantity);
     let states: Vec<[Vec<f64>; 4]> = job.states();
-    let function = function(&job.quantity);
-    let mut out = vec![0.0; results(&job.quantity, job.nv)];
-    let mut run = |[q, qd, tau, qdd]: &[Vec<f64>; 4], out: &mut [f64]| {
-        function(&mut interpreter, [q, qd, tau, qdd], out);
+    let mut results = |state: &[Vec<f64>; 4]| -> Vec<f64> {
+        quantity.compute(state.each_ref().map(Vec::as_slice)).collect()
     };
-    job.check(states.iter().map(|state| {
-        run(state, &mut out);
-        out.clone()
-    }));
+    job.check(states.iter().map(&mut results));
     job.time(&states, |state| {
-        run(state, &mut out);
-        std::hint::black_box(&out);
+        std::hint::black_box(results(state));
     });
 }

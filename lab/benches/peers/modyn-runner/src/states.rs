@@ -8,7 +8,7 @@ use modyn::equations::constraints::ImpulseOutputs;
 use modyn::{Interpreter, Wrench, model::Model};
 use modyn_codegen::{Base, ReadOptions, read};
 
-use crate::interpreted::{results, settings};
+use crate::interpreted::{Quantity, settings};
 use crate::measure::CHECKED;
 use crate::robots::Robot;
 
@@ -84,14 +84,12 @@ pub fn write(robot: &Robot, folder: &Path) {
     let text = format!("{nq} {nv}\n{}", joints.collect::<String>());
     fs::write(file("model"), text).expect("a folder to write to");
 
-    for quantity in robot.quantities {
+    for name in robot.quantities {
+        let mut quantity = Quantity::new(model.clone(), name);
         let mut all = Vec::new();
-        let mut one = vec![0.0; results(quantity, nv)];
-        let function = crate::interpreted::function(quantity);
-        for [q, qd, tau, qdd] in &states[..CHECKED] {
-            function(&mut interpreter, [q, qd, tau, qdd], &mut one);
-            all.extend_from_slice(&one);
+        for state in &states[..CHECKED] {
+            all.extend(quantity.compute(state.each_ref().map(Vec::as_slice)));
         }
-        save(quantity, &all);
+        save(name, &all);
     }
 }
