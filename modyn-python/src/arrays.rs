@@ -2,7 +2,7 @@
 //!
 //! Every argument goes through [`in_order`], and every array that a caller gives for results
 //! through [`Output::new`]: the type of its numbers, its shape, its alignment and order, whether it
-//! can be written, and whether its memory is that of an argument.
+//! can be written, and whether it shares memory with an argument.
 
 use std::ops::Range;
 
@@ -96,7 +96,7 @@ impl<'py, S: Number> Given<'py, S> {
         Self::read(function, name, shape, &array)
     }
 
-    /// Returns the numbers, those of one state after another.
+    /// Returns the numbers of one state after another.
     ///
     /// # Errors
     ///
@@ -199,6 +199,25 @@ fn batch(shape: &[usize]) -> String {
     }
 }
 
+/// The form of a result.
+#[derive(Clone, Copy)]
+pub struct ResultForm<'a> {
+    /// The name of the function, for messages.
+    pub function: &'a str,
+    pub layout: &'a Layout,
+    /// The numbers of one state.
+    pub length: usize,
+    /// The states of a batch.
+    pub states: Option<usize>,
+}
+
+impl ResultForm<'_> {
+    /// Returns the shape of memory that has the numbers of one state after another.
+    fn flat_shape(&self) -> Vec<usize> {
+        self.states.into_iter().chain([self.length]).collect()
+    }
+}
+
 /// The memory that a call writes, and the object that it returns.
 pub struct Output<'py, S: Number> {
     memory: PyReadwriteArrayDyn<'py, S>,
@@ -208,8 +227,7 @@ pub struct Output<'py, S: Number> {
 }
 
 impl<'py, S: Number> Output<'py, S> {
-    /// Returns the output of `function` with this layout and `length` numbers for each state: new
-    /// arrays, or `out`.
+    /// Returns the output of this form: new arrays, or `out`. `given` are the arguments.
     ///
     /// # Errors
     ///
@@ -217,19 +235,14 @@ impl<'py, S: Number> Output<'py, S> {
     /// it has another shape, cannot be written or overlaps an argument.
     pub fn new(
         py: Python<'py>,
-        function: &str,
-        (layout, length): (&Layout, usize),
-        states: Option<usize>,
-        (out, given): (Option<&Bound<'py, PyAny>>, &[Given<'py, S>]),
+        form: ResultForm<'_>,
+        out: Option<&Bound<'py, PyAny>>,
+        given: &[Given<'py, S>],
     ) -> PyResult<Self> {
-        let output = match (layout, out) {
-            (_, None) => return Self::allocated(py, layout, length, states),
-            (Layout::Array(leaf), Some(out)) => {
-                Self::array(py, function, leaf, length, states, out)?
-            }
-            (Layout::Tuple(class, fields), Some(out)) => {
-                Self::tuple(function, class.name(), fields, length, states, out)?
-            }
+        let Some(out) = out else { return Self::allocated(py, form) };
+        let output = match form.layout {
+            Layout::Array(leaf) => Self::array(py, form, leaf, out)?,
+            Layout::Tuple(class, fields) => Self::tuple(form, class.name(), fields, out)?,
         };
         // Arrays without a common base can have the same memory, by NumPy's `frombuffer`.
         let written = addresses(&output.memory);
@@ -241,18 +254,14 @@ impl<'py, S: Number> Output<'py, S> {
         match given.iter().find(is_overlapped) {
             None => Ok(output),
             Some(given) => Err(PyValueError::new_err(format!(
-                "`out` of `{function}` overlaps an argument: it has memory of `{}`",
-                given.name
+                "`out` of `{}` overlaps an argument: it has memory of `{}`",
+                form.function, given.name
             ))),
         }
     }
 
-    fn allocated(
-        py: Python<'py>,
-        layout: &Layout,
-        length: usize,
-        states: Option<usize>,
-    ) -> PyResult<Self> {
+    fn allocated(py: Python<'py>, form: ResultForm<'_>) -> PyResult<Self> {
+        let ResultForm { layout, length, states, .. } = form;
         if let Layout::Array(leaf) = layout
             && let Some(is_fortran) = order(leaf, states, length)
         {
@@ -260,20 +269,18 @@ impl<'py, S: Number> Output<'py, S> {
             let returned = array.clone().into_any();
             return Ok(Self { memory: array.readwrite(), returned, copied_to: None });
         }
-        let shape: Vec<usize> = states.into_iter().chain([length]).collect();
-        let base = zeros::<S>(py, &shape, false)?;
+        let base = zeros::<S>(py, &form.flat_shape(), false)?;
         let returned = views(&base, layout, states, length)?;
         Ok(Self { memory: base.readwrite(), returned, copied_to: None })
     }
 
     fn array(
         py: Python<'py>,
-        function: &str,
+        form: ResultForm<'_>,
         leaf: &Leaf,
-        length: usize,
-        states: Option<usize>,
         out: &Bound<'py, PyAny>,
     ) -> PyResult<Self> {
+        let ResultForm { function, length, states, .. } = form;
         let array = out.cast::<PyArrayDyn<S>>().map_err(|_| {
             PyTypeError::new_err(format!("`out` of `{function}` must be an array of {}", S::DTYPE))
         })?;
@@ -305,25 +312,24 @@ impl<'py, S: Number> Output<'py, S> {
         }
         // The caller's memory has another order: the call must not write what it cannot.
         drop(writable(function, array)?);
-        let memory = Self::allocated(py, &Layout::Array(leaf.clone()), length, states)?;
+        let memory = Self::allocated(py, form)?;
         Ok(Self { copied_to: Some(returned), ..memory })
     }
 
     /// Returns the output in the memory of an earlier result of the same function.
     fn tuple(
-        function: &str,
+        form: ResultForm<'_>,
         class: &str,
         fields: &[(&'static str, Layout)],
-        length: usize,
-        states: Option<usize>,
         out: &Bound<'py, PyAny>,
     ) -> PyResult<Self> {
+        let ResultForm { function, length, states, .. } = form;
         let wrong = || {
             PyValueError::new_err(format!(
                 "`out` of `{function}` must be the `{class}` that an earlier call of it returned for as many states"
             ))
         };
-        let shape: Vec<usize> = states.into_iter().chain([length]).collect();
+        let shape = form.flat_shape();
         let mut base = None;
         let mut leaves = Vec::new();
         gather::<S>(fields, out, &mut leaves).map_err(|_| wrong())?;
@@ -347,7 +353,7 @@ impl<'py, S: Number> Output<'py, S> {
         Ok(Self { memory, returned: out.clone(), copied_to: None })
     }
 
-    /// Returns the memory, the numbers of one state after those of another.
+    /// Returns the memory, which has the numbers of one state after another.
     ///
     /// # Errors
     ///

@@ -48,7 +48,7 @@ impl<S: Number> Evaluated<S> {
         }
     }
 
-    /// Computes the result of one state; `link` is that of a function of one link.
+    /// Computes the result of one state; `link` is the link of a function of one link.
     ///
     /// # Errors
     ///

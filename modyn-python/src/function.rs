@@ -11,7 +11,7 @@ use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyFloat, PyList, PyTuple};
 
-use crate::arrays::{self, Given, Output};
+use crate::arrays::{self, Given, Output, ResultForm};
 use crate::change::Change;
 use crate::checks::Check;
 use crate::evaluated::Evaluated;
@@ -173,6 +173,11 @@ impl<S: Number> Typed<S> {
         }
     }
 
+    /// Returns the form of the result of one state, or of a batch with these states.
+    fn result_form(&self, states: Option<usize>) -> ResultForm<'_> {
+        ResultForm { function: self.name, layout: &self.result, length: self.length, states }
+    }
+
     /// Returns whether the function is one of a link.
     fn is_by_link(&self) -> bool {
         self.function.is_some_and(|function| function.row().by_link)
@@ -182,9 +187,10 @@ impl<S: Number> Typed<S> {
     fn given<'py>(
         &self,
         py: Python<'py>,
-        (argument, shape): &(Argument, Vec<usize>),
+        declared: &(Argument, Vec<usize>),
         given: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Given<'py, S>> {
+        let (argument, shape) = declared;
         let Argument { name, kind } = argument;
         match (kind, given.filter(|given| !given.is_none())) {
             (kind, Some(given)) => {
@@ -305,8 +311,7 @@ impl<S: Number> Typed<S> {
                 Ok(filled(py, shape, *is_fortran, fill)?.into_any())
             }
             _ => {
-                let mut output =
-                    Output::new(py, self.name, (&self.result, self.length), None, (out, given))?;
+                let mut output = Output::new(py, self.result_form(None), out, given)?;
                 self.one(&code, link, arguments, output.as_mut_slice()?)?;
                 output.finish()
             }
@@ -321,8 +326,7 @@ impl<S: Number> Typed<S> {
         states: usize,
         out: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let layout = (&self.result, self.length);
-        let mut output = Output::new(py, self.name, layout, Some(states), (out, given))?;
+        let mut output = Output::new(py, self.result_form(Some(states)), out, given)?;
         let result = output.as_mut_slice()?;
         let repeated_copies = given.iter().map(|given| match given.states {
             None => repeated(given.as_slice()?, states).map(Some),

@@ -38,7 +38,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 
 use crate::errors::description_error;
-use crate::robot::Robot;
+use crate::robot::{Robot, Source};
 
 /// Reads the robot of a file, URDF, SDF or MJCF.
 ///
@@ -66,7 +66,7 @@ fn load(
     let text = read_text(&name, file).map_err(|errors| description_error(py, &errors))?;
     // The folder in which files that the description names are.
     let folder = std::path::absolute(&path).unwrap_or(path).parent().map(Path::to_owned);
-    read(py, text, name, folder, options)
+    read(py, Source { text, file: name, folder }, options)
 }
 
 /// Returns the exception of a file that cannot be opened: an `OSError` with the number, the reason
@@ -83,8 +83,8 @@ fn unreadable(py: Python<'_>, path: &Path, error: std::io::Error) -> PyErr {
 }
 
 /// Reads the robot of a text, URDF, SDF or MJCF; `file` is the name in diagnostics, and `folder`
-/// that of files which the text names: without it, no other file is read. The other keyword
-/// arguments are those of `load`.
+/// the folder of files which the text names: without it, no other file is read. The other keyword
+/// arguments are the same as for `load`.
 #[pyfunction]
 #[pyo3(signature = (text, /, file="robot", *, folder=None, **options))]
 fn loads(
@@ -107,7 +107,7 @@ fn loads(
                        for the path of a file";
         return Err(PyValueError::new_err(format!("{message}, {text:?}")));
     }
-    read(py, text, file.into(), folder, options)
+    read(py, Source { text, file: file.into(), folder }, options)
 }
 
 /// Returns whether this is the text of a description in place of a path.
@@ -116,16 +116,10 @@ fn is_description(path: &str) -> bool {
     path.starts_with('<') || path.contains('\n')
 }
 
-fn read(
-    py: Python<'_>,
-    text: String,
-    file: String,
-    folder: Option<PathBuf>,
-    options: Option<&Bound<'_, PyDict>>,
-) -> PyResult<Robot> {
+fn read(py: Python<'_>, source: Source, options: Option<&Bound<'_, PyDict>>) -> PyResult<Robot> {
     match options {
-        Some(options) => Robot::read(py, (text, file, folder), options),
-        None => Robot::read(py, (text, file, folder), &PyDict::new(py)),
+        Some(options) => Robot::read(py, source, options),
+        None => Robot::read(py, source, &PyDict::new(py)),
     }
 }
 

@@ -33,10 +33,12 @@ pub fn zeros<'py, S: Number>(
             S::DTYPE
         ))
     };
-    let lengths: Result<Vec<isize>, _> = shape.iter().map(|&n| isize::try_from(n)).collect();
+    let signed: Result<Vec<isize>, _> = shape.iter().map(|&n| isize::try_from(n)).collect();
+    let mut lengths = signed.map_err(|_| too_large(shape))?;
     let bytes = shape.iter().try_fold(size_of::<S>(), |bytes, &n| bytes.checked_mul(n));
-    let fits = bytes.is_some_and(|bytes| isize::try_from(bytes).is_ok());
-    let (Ok(mut lengths), true) = (lengths, fits) else { return Err(too_large(shape)) };
+    if bytes.is_none_or(|bytes| isize::try_from(bytes).is_err()) {
+        return Err(too_large(shape));
+    }
     let count = c_int::try_from(lengths.len()).map_err(|_| too_large(shape))?;
     let order = c_int::from(is_fortran);
     // SAFETY: see the header.

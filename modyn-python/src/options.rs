@@ -56,8 +56,8 @@ fn row(name: &str) -> &'static OptionRow {
     rows().find(|row| row.name == name).expect("an option of `load`")
 }
 
-/// Returns the exception of a value with a fault. Its form is that of values of Python, unless the
-/// value was a text in the syntax of the command line.
+/// Returns the exception of a value with a fault. It shows the value as Python writes it, unless
+/// the value was a text in the syntax of the command line.
 fn wrong(row: &OptionRow, is_text: bool, fault: OptionError) -> PyErr {
     let OptionRow { name, form, docs, .. } = row;
     let OptionError { message, is_form, .. } = fault;

@@ -65,8 +65,15 @@ type Slot = OnceLock<Box<dyn RobotFunction>>;
 /// A run-time parameter: the option, the link and the numbers.
 pub type RunTimeParameter<'a> = (&'static str, Option<&'a str>, Vec<f64>);
 
-/// The text of a description, the file's name, and the folder of files that the text names.
-pub type Source = (String, String, Option<PathBuf>);
+/// A description.
+#[derive(Clone)]
+pub struct Source {
+    pub text: String,
+    /// The name of the file.
+    pub file: String,
+    /// The folder of files that the text names.
+    pub folder: Option<PathBuf>,
+}
 
 impl Robot {
     /// Reads a description.
@@ -75,11 +82,7 @@ impl Robot {
     ///
     /// `DescriptionError` with all errors of the description; `TypeError` and `ValueError` for
     /// options.
-    pub fn read(
-        py: Python<'_>,
-        (text, file, folder): Source,
-        arguments: &Bound<'_, PyDict>,
-    ) -> PyResult<Self> {
+    pub fn read(py: Python<'_>, source: Source, arguments: &Bound<'_, PyDict>) -> PyResult<Self> {
         let keywords = arguments.copy()?;
         let machine_code = match keywords.get_item("machine_code")? {
             Some(wanted) => wanted.extract()?,
@@ -91,8 +94,8 @@ impl Robot {
             }
         }
         // A type's name has no meaning here, and no warning about it is due.
-        let builder = Builder::new().text(&*text, &*file).type_name("Robot");
-        let in_folder = match &folder {
+        let builder = Builder::new().text(&*source.text, &*source.file).type_name("Robot");
+        let in_folder = match &source.folder {
             Some(folder) => builder.folder(folder),
             None => builder,
         };
@@ -116,7 +119,7 @@ impl Robot {
             without_inertia: without_inertia.first().map(name),
             links: links.map(|(i, frame)| (frame.name.clone(), i)).collect(),
             builder,
-            source: ((text, file, folder), arguments.copy()?.unbind()),
+            source: (source, arguments.copy()?.unbind()),
             scalar: options::scalar(arguments)?,
             machine_code,
             functions: Function::ALL.iter().map(|_| OnceLock::new()).collect(),
@@ -132,7 +135,7 @@ impl Robot {
 
     /// Returns the shapes of the description, for pictures; none if it cannot be read again.
     pub fn shapes(&self) -> Shapes {
-        let (text, file, _) = &self.source.0;
+        let Source { text, file, .. } = &self.source.0;
         let options = ReadOptions { shapes: true, ..self.builder.read_options().clone() };
         modyn_codegen::read(text, file, &options).map(|reading| reading.shapes).unwrap_or_default()
     }
@@ -570,8 +573,8 @@ impl Robot {
         types.getattr("StepSettings")?.call((), Some(&keywords))
     }
 
-    /// The acceleration of free fall at present, in world axes, (3,), m/s^2: that of the
-    /// description, or of `set_gravity`.
+    /// The acceleration of free fall at present, in world axes, (3,), m/s^2: from the description,
+    /// or from `set_gravity`.
     #[getter]
     fn gravity<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         let changes = self.changes.lock().unwrap_or_else(PoisonError::into_inner);
@@ -636,7 +639,8 @@ impl Robot {
     }
 
     /// The inertial parameters of the moving links at present, ten for each link, as in
-    /// `regressor`: those of the description, with the changes of `set_inertia` and `set_payload`.
+    /// `regressor`: the description's parameters, with the changes of `set_inertia` and
+    /// `set_payload`.
     #[getter]
     fn parameters<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
         Ok(PyArray1::from_vec(py, self.present_parameters()?))
@@ -820,7 +824,7 @@ impl Robot {
         Err(PyAttributeError::new_err(format!("`Robot` has no attribute `{name}`{help}")))
     }
 
-    /// Returns the names of attributes, those of bundles included.
+    /// Returns the names of attributes, bundles included.
     fn __dir__(slf: &Bound<'_, Self>) -> PyResult<Vec<String>> {
         let mut names: Vec<String> = slf.get_type().dir()?.extract()?;
         names.extend(slf.get().bundles.iter().map(|(name, ..)| name.clone()));
@@ -839,7 +843,7 @@ impl Robot {
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyTuple>> {
         let py = slf.py();
         let robot = slf.get();
-        let ((text, file, folder), options) = &robot.source;
+        let (Source { text, file, folder }, options) = &robot.source;
         let changes = robot.changes.lock().unwrap_or_else(PoisonError::into_inner);
         let calls = changes.iter().map(|change| match change {
             Change::Gravity(gravity) => ("set_gravity", (*gravity,)).into_pyobject(py),

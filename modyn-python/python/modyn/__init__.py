@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from . import _results, conventions
+from . import _results, _rollout, conventions
 from ._errors import DescriptionError, DescriptionWarning, Diagnostic, MachineCodeWarning
 from ._modyn import Factorization, Robot, functions, load, loads, set_threads
 from ._results import *  # noqa: F403
@@ -36,6 +36,9 @@ from ._types import (
 )
 
 __version__ = "0.2.0"
+
+for _method in _rollout.METHODS:
+    setattr(Robot, _method.__name__, _method)
 
 __all__ = [
     "Animation",

@@ -460,12 +460,12 @@ class Robot:
         with contacts and joint limits. This one has the arguments `settings`: `StepSettings`, by default the result of
         `step_settings()`; `warm_start`: the accelerations from which the first solver starts, by default zeros; and `ground`: a
         `HeightField` that sets the planes of the surfaces, by the place of each shape before each step. With a feedback, the
-        forces are `controls` + `gains` (x_ref - x), where the difference of states has that of coordinates in tangent space, then that of
-        velocities: `gains`: (nv, 2 nv) or (steps, nv, 2 nv); `q_ref`: (nq,) or (steps, nq); `qd_ref`: (nv,) or (steps, nv);
+        forces are `controls` + `gains` (x_ref - x), where the difference of states has the difference of coordinates in tangent space, then
+        the difference of velocities: `gains`: (nv, 2 nv) or (steps, nv, 2 nv); `q_ref`: (nq,) or (steps, nq); `qd_ref`: (nv,) or (steps, nv);
         one step stands for all of them. With `step="actuated"`, the function `step_actuated`, `controls` has a control for each
         actuator, (steps, controls), and further arguments are `act`: the activations before the first step, by default zeros;
         and `applied`: (nv,), joint forces of all steps, by default zeros; there is no feedback and no `ground`. With `cost`, a
-        `QuadraticCost`, each step adds the cost of its forces and of the state after it. Leading axes are those of motions, and are broadcast.
+        `QuadraticCost`, each step adds the cost of its forces and of the state after it. Leading axes count motions, and are broadcast.
         Result: `RolloutStates`: `q` and `qd`; with a cost `RolloutCosts`; of `step` `StepSolution` and of `actuated`
         `ActuatedStep`, with the largest `residual` and `iterations` of all steps with `trajectory=False`.
         """
@@ -495,7 +495,7 @@ class Robot:
         each motion: one call, which stores few states. Coordinates have an entry for each of their numbers; lengths of
         quaternions have no effect.
 
-        Arguments: those of `rollout`; `q_weights`: (steps, nq) and `qd_weights`: (steps, nv), or (nq,) and (nv,) with
+        Arguments: the arguments of `rollout`; `q_weights`: (steps, nq) and `qd_weights`: (steps, nv), or (nq,) and (nv,) with
         `trajectory=False`; `None` for zeros; `cost_weights`: (steps,), or () with `trajectory=False`, the weights of the cost.
         Result: `RolloutGradients`, with the names and the shapes of the arguments.
         """

@@ -1,4 +1,4 @@
-"""Rollouts on NumPy's arrays."""
+"""Motions of many time steps on NumPy's arrays: methods of `Robot`."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from ._arrays import COST, FEEDBACK, OWN, ArrayFunction, Rollout, RolloutSignature, Signature, motions
 from ._modyn import Robot
@@ -47,35 +48,93 @@ def _given(
 
 
 def rollout(
-    robot: Robot, arguments: dict[str, Any], step: Step, trajectory: bool, cost: QuadraticCost | None
+    self: Robot,
+    q: ArrayLike,
+    qd: ArrayLike,
+    controls: ArrayLike,
+    dt: ArrayLike,
+    *,
+    step: str = "semi_implicit",
+    gains: ArrayLike | None = None,
+    q_ref: ArrayLike | None = None,
+    qd_ref: ArrayLike | None = None,
+    cost: QuadraticCost | None = None,
+    settings: StepSettings | ArrayLike | None = None,
+    warm_start: ArrayLike | None = None,
+    act: ArrayLike | None = None,
+    applied: ArrayLike | None = None,
+    ground: HeightField | None = None,
+    trajectory: bool = True,
 ) -> RolloutStates | RolloutCosts | StepSolution | ActuatedStep:
-    """Returns the result of `Robot.rollout`."""
-    arrays, code = _given(robot, "rollout", arguments, step, trajectory, cost)
+    """Returns the states of motions of many time steps in one call: after each step, (..., steps, n), or after the last
+    one with `trajectory=False`. Many motions use the vector units and all cores.
+
+    Arguments: `q`: (nq,); `qd`: (nv,); `controls`: (steps, nv), the joint forces of each step; `dt`: the time step, s;
+    `step`: the method, such as `semi_implicit` for the function `step_semi_implicit`, or `step` for the function `step`,
+    with contacts and joint limits. This one has the arguments `settings`: `StepSettings`, by default the result of
+    `step_settings()`; `warm_start`: the accelerations from which the first solver starts, by default zeros; and `ground`: a
+    `HeightField` that sets the planes of the surfaces, by the place of each shape before each step. With a feedback, the
+    forces are `controls` + `gains` (x_ref - x), where the difference of states has the difference of coordinates in tangent space, then
+    the difference of velocities: `gains`: (nv, 2 nv) or (steps, nv, 2 nv); `q_ref`: (nq,) or (steps, nq); `qd_ref`: (nv,) or (steps, nv);
+    one step stands for all of them. With `step="actuated"`, the function `step_actuated`, `controls` has a control for each
+    actuator, (steps, controls), and further arguments are `act`: the activations before the first step, by default zeros;
+    and `applied`: (nv,), joint forces of all steps, by default zeros; there is no feedback and no `ground`. With `cost`, a
+    `QuadraticCost`, each step adds the cost of its forces and of the state after it. Leading axes count motions, and are broadcast.
+    Result: `RolloutStates`: `q` and `qd`; with a cost `RolloutCosts`; of `step` `StepSolution` and of `actuated`
+    `ActuatedStep`, with the largest `residual` and `iterations` of all steps with `trajectory=False`.
+    """
+    state = {"q": q, "qd": qd, "controls": controls, "dt": dt, "act": act, "applied": applied}
+    arguments = {**state, "settings": settings, "warm_start": warm_start, "gains": gains, "q_ref": q_ref, "qd_ref": qd_ref}
+    arrays, code = _given(self, "rollout", arguments, (step, ground), trajectory, cost)
     return motions(code.handle.call(arrays))
 
 
 def rollout_vjp(
-    robot: Robot,
-    arguments: dict[str, Any],
-    weights: tuple[Any, ...],
-    step: Step,
-    trajectory: bool,
-    cost: QuadraticCost | None,
+    self: Robot,
+    q: ArrayLike,
+    qd: ArrayLike,
+    controls: ArrayLike,
+    dt: ArrayLike,
+    q_weights: ArrayLike | None,
+    qd_weights: ArrayLike | None,
+    *,
+    step: str = "semi_implicit",
+    gains: ArrayLike | None = None,
+    q_ref: ArrayLike | None = None,
+    qd_ref: ArrayLike | None = None,
+    cost: QuadraticCost | None = None,
+    cost_weights: ArrayLike | None = None,
+    settings: StepSettings | ArrayLike | None = None,
+    warm_start: ArrayLike | None = None,
+    act: ArrayLike | None = None,
+    applied: ArrayLike | None = None,
+    ground: HeightField | None = None,
+    trajectory: bool = True,
 ) -> RolloutGradients:
-    """Returns the result of `Robot.rollout_vjp`."""
-    arrays, code = _given(robot, "rollout_vjp", arguments, step, trajectory, cost)
+    """Returns the gradients of the weighted states of motions, which `rollout` returns, with respect to its arguments, for
+    each motion: one call, which stores few states. Coordinates have an entry for each of their numbers; lengths of
+    quaternions have no effect.
+
+    Arguments: the arguments of `rollout`; `q_weights`: (steps, nq) and `qd_weights`: (steps, nv), or (nq,) and (nv,) with
+    `trajectory=False`; `None` for zeros; `cost_weights`: (steps,), or () with `trajectory=False`, the weights of the cost.
+    Result: `RolloutGradients`, with the names and the shapes of the arguments.
+    """
+    state = {"q": q, "qd": qd, "controls": controls, "dt": dt, "act": act, "applied": applied}
+    arguments = {**state, "settings": settings, "warm_start": warm_start, "gains": gains, "q_ref": q_ref, "qd_ref": qd_ref}
+    weights: tuple[Any, ...] = (q_weights, qd_weights, cost_weights)
+    arrays, code = _given(self, "rollout_vjp", arguments, (step, ground), trajectory, cost)
     if cost is None and weights[2] is not None:
         raise TypeError("`cost_weights` of `rollout_vjp` are those of a `cost`")
     solves = code.step.start is not None
     own = ("cost",) if cost is not None else ()
-    names = ["q", "qd", *own, "controls", "dt", *(name for name in OWN if name in RolloutSignature.of(robot, *step).shapes)]
+    names = ["q", "qd", *own, "controls", "dt", *(name for name in OWN if name in RolloutSignature.of(self, step, ground).shapes)]
     names += [name for name in FEEDBACK if arguments[name] is not None]
     names += COST if cost is not None else ()
     wanted = [k for k, name in enumerate(names) if name not in own and k != code.step.start]
     gradient = code.gradient(wanted)
     weights = (*weights[:2], *[None] * (len(code.outputs) - 2)) if solves else weights
     for name, shape, given in zip(("q_weights", "qd_weights", "cost_weights", *[""] * len(weights)), code.outputs, weights):
-        weight = np.ascontiguousarray(np.zeros(shape) if given is None else given, robot.dtype).reshape(np.shape(given) or shape)
+        weight = np.ascontiguousarray(np.zeros(shape) if given is None else given, self.dtype).reshape(np.shape(given) or shape)
         if weight.shape[weight.ndim - len(shape) :] != shape:
             raise ValueError(f"`{name}` of `rollout_vjp` has the shape {weight.shape}; expected {shape}, after axes of motions")
         arrays.append(weight)
@@ -107,13 +166,30 @@ def _steps(given: Any, name: str) -> int | None:
 
 
 def simulate(
-    robot: Robot, policy: Callable[[float, Any, Any], Any], arguments: dict[str, Any], steps: int, ground: HeightField | None
+    self: Robot,
+    policy: Callable[[float, NDArray[Any], NDArray[Any]], ArrayLike],
+    q: ArrayLike,
+    qd: ArrayLike,
+    dt: ArrayLike,
+    steps: int,
+    settings: StepSettings | ArrayLike | None = None,
+    *,
+    ground: HeightField | None = None,
 ) -> StepSolution:
-    """Returns the result of `Robot.simulate`."""
+    """Returns the results of each of `steps` calls of `step` under the joint forces `policy(time, q, qd)`, which gets the
+    time (s) and the state before each step. `modyn.show` shows the motion. A rollout without a call of Python in each
+    step is `rollout`.
+
+    Arguments: `policy`: a function that returns tau: (nv,); `q`: (nq,); `qd`: (nv,); `dt`: (); `steps`: the number of
+    steps; `settings` and `ground` as in `rollout`. Leading axes of `q` and `qd` are axes of motions, which `policy` gets,
+    too.
+    Result: `StepSolution`, with an axis of steps after the axes of motions.
+    """
     if steps < 1:
         raise ValueError(f"`steps` of `simulate` is {steps}; expected at least 1")
-    signature = RolloutSignature(robot, "step", ground)
-    given = {name: _array(robot, "simulate", name, x) for name, x in arguments.items()}
+    signature = RolloutSignature(self, "step", ground)
+    arguments = {"q": q, "qd": qd, "dt": dt, "settings": settings}
+    given = {name: _array(self, "simulate", name, x) for name, x in arguments.items()}
     if given["dt"].ndim:
         raise ValueError(f"`dt` of `simulate` has the shape {given['dt'].shape}; expected a number")
     given["warm_start"] = None
@@ -123,9 +199,12 @@ def simulate(
     q, qd, qdd = given["q"], given["qd"], given["warm_start"]
     results: list[StepSolution] = []
     for k in range(steps):
-        tau = _array(robot, "simulate", "policy(time, q, qd)", policy(k * float(given["dt"]), q, qd))
+        tau = _array(self, "simulate", "policy(time, q, qd)", policy(k * float(given["dt"]), q, qd))
         of_step = [q, qd, tau, given["dt"], qdd, given["settings"]]
         of_robot.check(of_step)
         results.append(StepSolution(*step.handle.call(of_step + parameters)))
         q, qd, qdd = results[-1][:3]
     return StepSolution(*(np.stack(parts, q.ndim - 1) for parts in zip(*results)))
+
+
+METHODS = (rollout, rollout_vjp, simulate)

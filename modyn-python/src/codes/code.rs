@@ -31,8 +31,8 @@ impl<S: Number> ArrayCode<S> {
     ///
     /// # Errors
     ///
-    /// If there are other arrays than those of the function, if one is too short, or if a number is
-    /// outside of its range.
+    /// If the arrays are not the function's arrays, if one is too short, or if a number is outside
+    /// of its range.
     pub fn compute(
         &self,
         broadcast: &Broadcast<'_>,

@@ -175,8 +175,8 @@ impl<'a, S: Number> Arrays<'a, S> {
     ///
     /// # Errors
     ///
-    /// If there are other arrays than those of the function, if one is too short, or if a number is
-    /// outside of its range.
+    /// If the arrays are not the function's arrays, if one is too short, or if a number is outside
+    /// of its range.
     pub fn new(
         shapes: &'a ArrayShapes,
         broadcast: &'a Broadcast<'a>,
@@ -297,7 +297,7 @@ impl<S: Number> Kernel<'_, S> {
     pub fn run(&self, numbers: &[S], result: &mut [S], lanes: usize) {
         match &self.runner {
             Runner::Machine(call) => {
-                // The lengths are those of the program.
+                // The arrays have the program's lengths, so the calls cannot fail.
                 let done = match lanes {
                     1 => call.one(&[numbers], result),
                     _ => call.in_lanes(&[numbers], result),

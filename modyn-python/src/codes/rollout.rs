@@ -69,11 +69,11 @@ impl<S: Number> Rollout<S> {
     pub fn ready(&self) -> Result<Ready<'_, S>, String> {
         let reverse = self.reverse.as_ref().map(|reverse| reverse.step.kernel()).transpose()?;
         let [arguments, _] = self.step.shapes().lengths();
-        let state_rows = self.state.iter().map(|&k| {
+        let rows_of = |&k: &usize| {
             let first: usize = arguments[..k].iter().sum();
             first..first + arguments[k]
-        });
-        let state_rows = state_rows.collect();
+        };
+        let state_rows = self.state.iter().map(rows_of).collect();
         Ok(Ready { rollout: self, state_rows, step: self.step.kernel()?, reverse })
     }
 }
@@ -93,6 +93,21 @@ impl<S: Number> Memory<'_, S> {
     fn must_end(&mut self, kernel: &Kernel<'_, S>) -> bool {
         self.questions.must_end(kernel.work().saturating_mul(self.lanes))
     }
+}
+
+/// A group of motions, one in each lane. Lanes from the motion `end` on repeat the last motion, and
+/// have no results.
+struct Group {
+    motions: Range<usize>,
+    end: usize,
+}
+
+/// The gradients of a group of motions, in lanes.
+struct Gradients<S> {
+    /// The gradients by the arguments of a step.
+    of_step: Vec<S>,
+    /// The sums of the gradients by arguments that are the same for all steps.
+    sums: Vec<S>,
 }
 
 impl<S: Number> Ready<'_, S> {
@@ -123,16 +138,16 @@ impl<S: Number> Ready<'_, S> {
         let next = vec![S::zero(); results * lanes];
         let mut memory = Memory { numbers, next, lanes, questions: Questions::new(pool) };
         for first in motions.clone().step_by(lanes) {
-            let group = first..first + lanes;
+            let group = Group { motions: first..first + lanes, end: motions.end };
             if pool.must_end() {
                 return;
             }
             self.read(arrays, &group, None, &mut memory);
             match (&self.reverse, &self.rollout.reverse) {
                 (Some(kernel), Some(reverse)) => {
-                    self.backward(arrays, &group, motions.end, kernel, reverse, &mut memory);
+                    self.backward(arrays, &group, kernel, reverse, &mut memory);
                 }
-                _ => self.forward(arrays, &group, motions.end, &mut memory),
+                _ => self.forward(arrays, &group, &mut memory),
             }
         }
     }
@@ -184,7 +199,7 @@ impl<S: Number> Ready<'_, S> {
     fn read(
         &self,
         arrays: &Arrays<'_, S>,
-        group: &Range<usize>,
+        group: &Group,
         step: Option<usize>,
         memory: &mut Memory<'_, S>,
     ) {
@@ -196,7 +211,7 @@ impl<S: Number> Ready<'_, S> {
             if self.rollout.is_sequence[k] == step.is_some() {
                 let at = step.unwrap_or_default() * length;
                 let rows = &mut memory.numbers[rows];
-                arrays.gather(k, group, at, rows, |place, number| *place = number);
+                arrays.gather(k, &group.motions, at, rows, |place, number| *place = number);
             }
         }
     }
@@ -205,7 +220,7 @@ impl<S: Number> Ready<'_, S> {
     fn advance(
         &self,
         arrays: &Arrays<'_, S>,
-        group: &Range<usize>,
+        group: &Group,
         step: usize,
         memory: &mut Memory<'_, S>,
     ) {
@@ -216,13 +231,7 @@ impl<S: Number> Ready<'_, S> {
         self.restore(&next[..self.state_length() * *lanes], numbers, *lanes);
     }
 
-    fn forward(
-        &self,
-        arrays: &Arrays<'_, S>,
-        group: &Range<usize>,
-        end: usize,
-        memory: &mut Memory<'_, S>,
-    ) {
+    fn forward(&self, arrays: &Arrays<'_, S>, group: &Group, memory: &mut Memory<'_, S>) {
         let Rollout { steps, trajectory, .. } = *self.rollout;
         let mut largest = vec![S::zero(); memory.next.len()];
         for step in 0..steps {
@@ -234,13 +243,13 @@ impl<S: Number> Ready<'_, S> {
                 self.keep_largest(&mut largest, memory);
             }
             if trajectory || step + 1 == steps {
-                self.write(arrays, group, if trajectory { step } else { 0 }, end, memory);
+                self.write(arrays, group, if trajectory { step } else { 0 }, memory);
             }
         }
         if steps == 0 && !trajectory {
             let Memory { numbers, next, lanes, .. } = memory;
             self.save(numbers, &mut next[..self.state_length() * *lanes], *lanes);
-            self.write(arrays, group, 0, end, memory);
+            self.write(arrays, group, 0, memory);
         }
     }
 
@@ -265,27 +274,19 @@ impl<S: Number> Ready<'_, S> {
     }
 
     /// Writes the results of a step.
-    fn write(
-        &self,
-        arrays: &Arrays<'_, S>,
-        group: &Range<usize>,
-        step: usize,
-        end: usize,
-        memory: &Memory<'_, S>,
-    ) {
+    fn write(&self, arrays: &Arrays<'_, S>, group: &Group, step: usize, memory: &Memory<'_, S>) {
         let mut rest = &*memory.next;
         for (k, &length) in self.results().iter().enumerate() {
             let rows;
             (rows, rest) = rest.split_at(length * memory.lanes);
-            arrays.scatter(k, group, step * length, rows, end);
+            arrays.scatter(k, &group.motions, step * length, rows, group.end);
         }
     }
 
     fn backward(
         &self,
         arrays: &Arrays<'_, S>,
-        group: &Range<usize>,
-        end: usize,
+        group: &Group,
         kernel: &Kernel<'_, S>,
         reverse: &Reverse<S>,
         memory: &mut Memory<'_, S>,
@@ -311,9 +312,10 @@ impl<S: Number> Ready<'_, S> {
         }
         let mut states = vec![S::zero(); (part + 1) * state];
         let results: usize = reverse.step.shapes().lengths()[1].iter().sum();
-        let mut gradient = vec![S::zero(); results * lanes];
-        // The sums of the gradients by arguments that are the same for all steps.
-        let mut sums = vec![S::zero(); results * lanes];
+        let mut gradients = Gradients {
+            of_step: vec![S::zero(); results * lanes],
+            sums: vec![S::zero(); results * lanes],
+        };
         memory.numbers[weights..].fill(S::zero());
         for k in (0..parts).rev() {
             let part_steps = k * part..((k + 1) * part).min(steps);
@@ -340,15 +342,16 @@ impl<S: Number> Ready<'_, S> {
                     self.start_from(&states[at + state..][..state], start, memory);
                 }
                 self.read(arrays, group, Some(step), memory);
-                kernel.run(&memory.numbers, &mut gradient, lanes);
+                kernel.run(&memory.numbers, &mut gradients.of_step, lanes);
                 if memory.must_end(kernel) {
                     return;
                 }
-                self.carry_back(reverse, &gradient, &mut memory.numbers[weights..], lanes);
-                self.collect(arrays, (group, end), step, (reverse, &gradient, &mut sums), lanes);
+                let weights_before = &mut memory.numbers[weights..];
+                self.carry_back(reverse, &gradients.of_step, weights_before, lanes);
+                self.collect(arrays, group, step, reverse, &mut gradients);
             }
         }
-        // Without a step, the weights of the last state are those of the first.
+        // Without a step, the last state is the first one and so are its weights.
         if steps == 0 && !trajectory {
             self.add_weights(arrays, group, 0, memory);
         }
@@ -356,10 +359,10 @@ impl<S: Number> Ready<'_, S> {
             if let Some(first) = self.first_row(k) {
                 let own_rows = rows.start * lanes..rows.end * lanes;
                 let weights = &memory.numbers[weights + first * lanes..][..own_rows.len()];
-                sums[own_rows].copy_from_slice(weights);
+                gradients.sums[own_rows].copy_from_slice(weights);
             }
         }
-        self.finish(arrays, group, end, reverse, &sums, lanes);
+        self.finish(arrays, group, reverse, &gradients.sums);
     }
 
     /// Returns the first row, among the rows of the results, of an argument of the state.
@@ -383,7 +386,7 @@ impl<S: Number> Ready<'_, S> {
     fn add_weights(
         &self,
         arrays: &Arrays<'_, S>,
-        group: &Range<usize>,
+        group: &Group,
         step: usize,
         memory: &mut Memory<'_, S>,
     ) {
@@ -394,7 +397,7 @@ impl<S: Number> Ready<'_, S> {
             let rows = &mut memory.numbers[row..row + length * lanes];
             row += length * lanes;
             let add = |place: &mut S, number: S| *place = *place + number;
-            arrays.gather(arguments + j, group, step * length, rows, add);
+            arrays.gather(arguments + j, &group.motions, step * length, rows, add);
         }
     }
 
@@ -432,21 +435,24 @@ impl<S: Number> Ready<'_, S> {
     fn collect(
         &self,
         arrays: &Arrays<'_, S>,
-        (group, end): (&Range<usize>, usize),
+        group: &Group,
         step: usize,
-        (reverse, gradient, sums): (&Reverse<S>, &[S], &mut [S]),
-        lanes: usize,
+        reverse: &Reverse<S>,
+        gradients: &mut Gradients<S>,
     ) {
+        let lanes = group.motions.len();
+        let Gradients { of_step, sums } = gradients;
         for (k, result, rows) in self.variables(reverse) {
             let own_rows = rows.start * lanes..rows.end * lanes;
             match result {
                 Some(result) if self.rollout.is_sequence[k] => {
                     let at = step * rows.len();
-                    arrays.scatter(result, group, at, &gradient[own_rows], end);
+                    let numbers = &of_step[own_rows];
+                    arrays.scatter(result, &group.motions, at, numbers, group.end);
                 }
                 Some(_) if self.first_row(k).is_none() => {
                     let sums = sums[own_rows.clone()].iter_mut();
-                    sums.zip(&gradient[own_rows]).for_each(|(sum, &x)| *sum = *sum + x);
+                    sums.zip(&of_step[own_rows]).for_each(|(sum, &x)| *sum = *sum + x);
                 }
                 _ => {}
             }
@@ -454,19 +460,12 @@ impl<S: Number> Ready<'_, S> {
     }
 
     /// Writes the gradients by the first state and by the arguments of all steps.
-    fn finish(
-        &self,
-        arrays: &Arrays<'_, S>,
-        group: &Range<usize>,
-        end: usize,
-        reverse: &Reverse<S>,
-        sums: &[S],
-        lanes: usize,
-    ) {
+    fn finish(&self, arrays: &Arrays<'_, S>, group: &Group, reverse: &Reverse<S>, sums: &[S]) {
+        let lanes = group.motions.len();
         for (k, result, rows) in self.variables(reverse) {
             if let Some(result) = result.filter(|_| !self.rollout.is_sequence[k]) {
                 let own_rows = &sums[rows.start * lanes..rows.end * lanes];
-                arrays.scatter(result, group, 0, own_rows, end);
+                arrays.scatter(result, &group.motions, 0, own_rows, group.end);
             }
         }
     }

@@ -203,7 +203,7 @@ impl<S> Results<'_, S> {
         self.0.len()
     }
 
-    /// Returns the places of numbers. A thread must write those of its own states alone.
+    /// Returns the places of numbers. A thread must write only the places of its own states.
     pub fn at(&self, place: usize, count: usize) -> &[Cell<S>] {
         &self.0[place..place + count]
     }

@@ -22,7 +22,6 @@ use numpy::PyReadonlyArray2;
 use numpy::prelude::*;
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
 
 use crate::codes::{
     AnyCode, ArrayCode, ArrayShapes, CodeHandle, CodeNumber, Identity, StateFunction, no_step,
@@ -33,7 +32,8 @@ use field::{FieldNumbers, FieldStep};
 pub use xla::xla_handler;
 
 /// Returns a derivative, given its mode and the indices of the arrays that vary.
-fn parsed((mode, variables): (String, Vec<usize>)) -> PyResult<Derivative> {
+fn parsed(derivative: (String, Vec<usize>)) -> PyResult<Derivative> {
+    let (mode, variables) = derivative;
     let mode = match &*mode {
         "forward" => DerivativeMode::Forward,
         "reverse" => DerivativeMode::Reverse,
@@ -94,10 +94,7 @@ impl Robot {
         let function = EntryFunction { function, link, results, feedback, cost, derivatives };
         self.code_of(py, &function)
     }
-}
 
-#[pymethods]
-impl Robot {
     /// Returns the code of `step` on a height field, which sets the planes of the surfaces: given
     /// the code of the step, or of its derivative, which is a mode (`forward`, `reverse` or
     /// `matrix`) and the indices of the arrays that vary. `heights`: (rows, columns).
@@ -126,164 +123,6 @@ impl Robot {
             AnyCode::F32(step) => self.on_field(step, poses.code(), &numbers, derivative),
         })
     }
-
-    /// Returns the states of motions of many time steps in one call: after each step, (..., steps,
-    /// n), or after the last one with `trajectory=False`. Many motions use the vector units and all
-    /// cores.
-    ///
-    /// Arguments: `q`: (nq,); `qd`: (nv,); `controls`: (steps, nv), the joint forces of each step;
-    /// `dt`: the time step, s; `step`: the method, such as `semi_implicit` for the function
-    /// `step_semi_implicit`, or `step` for the function `step`, with contacts and joint limits. This
-    /// one has the arguments `settings`: `StepSettings`, by default the result of `step_settings()`;
-    /// `warm_start`: the accelerations from which the first solver starts, by default zeros; and
-    /// `ground`: a `HeightField` that sets the planes of the surfaces, by the place of each shape
-    /// before each step. With a feedback, the forces are `controls` + `gains` (x_ref - x), where
-    /// the difference of states has that of coordinates in tangent space, then that of velocities:
-    /// `gains`: (nv, 2 nv) or (steps, nv, 2 nv); `q_ref`: (nq,) or (steps, nq); `qd_ref`: (nv,) or
-    /// (steps, nv); one step stands for all of them. With `step="actuated"`, the function
-    /// `step_actuated`, `controls` has a control for each actuator, (steps, controls), and further
-    /// arguments are `act`: the activations before the first step, by default zeros; and `applied`:
-    /// (nv,), joint forces of all steps, by default zeros; there is no feedback and no `ground`. With
-    /// `cost`, a `QuadraticCost`, each step adds
-    /// the cost of its forces and of the state after it. Leading axes are those of motions, and are
-    /// broadcast. Result: `RolloutStates`: `q` and `qd`; with a cost `RolloutCosts`; of `step`
-    /// `StepSolution` and of `actuated` `ActuatedStep`, with the largest `residual` and `iterations` of all steps with
-    /// `trajectory=False`.
-    #[pyo3(signature = (
-        q, qd, controls, dt, *, step="semi_implicit", gains=None, q_ref=None, qd_ref=None,
-        cost=None, settings=None, warm_start=None, act=None, applied=None, ground=None,
-        trajectory=true,
-    ))]
-    #[allow(clippy::too_many_arguments)]
-    fn rollout<'py>(
-        slf: &Bound<'py, Self>,
-        q: &Bound<'py, PyAny>,
-        qd: &Bound<'py, PyAny>,
-        controls: &Bound<'py, PyAny>,
-        dt: &Bound<'py, PyAny>,
-        step: &str,
-        gains: Option<&Bound<'py, PyAny>>,
-        q_ref: Option<&Bound<'py, PyAny>>,
-        qd_ref: Option<&Bound<'py, PyAny>>,
-        cost: Option<&Bound<'py, PyAny>>,
-        settings: Option<&Bound<'py, PyAny>>,
-        warm_start: Option<&Bound<'py, PyAny>>,
-        act: Option<&Bound<'py, PyAny>>,
-        applied: Option<&Bound<'py, PyAny>>,
-        ground: Option<&Bound<'py, PyAny>>,
-        trajectory: bool,
-    ) -> PyResult<Bound<'py, PyAny>> {
-        let others = [act, applied, settings, warm_start, gains, q_ref, qd_ref];
-        let arguments = rollout_arguments([q, qd, controls, dt], others)?;
-        let rollout = slf.py().import("modyn._rollout")?.getattr("rollout")?;
-        rollout.call1((slf, arguments, (step, ground), trajectory, cost))
-    }
-
-    /// Returns the gradients of the weighted states of motions, which `rollout` returns, with
-    /// respect to its arguments, for each motion: one call, which stores few states. Coordinates
-    /// have an entry for each of their numbers; lengths of quaternions have no effect.
-    ///
-    /// Arguments: those of `rollout`; `q_weights`: (steps, nq) and `qd_weights`: (steps, nv), or
-    /// (nq,) and (nv,) with `trajectory=False`; `None` for zeros; `cost_weights`: (steps,), or ()
-    /// with `trajectory=False`, the weights of the cost. Result: `RolloutGradients`, with the names
-    /// and the shapes of the arguments.
-    #[pyo3(signature = (
-        q, qd, controls, dt, q_weights, qd_weights, *, step="semi_implicit", gains=None,
-        q_ref=None, qd_ref=None, cost=None, cost_weights=None, settings=None, warm_start=None,
-        act=None, applied=None, ground=None, trajectory=true,
-    ))]
-    #[allow(clippy::too_many_arguments)]
-    fn rollout_vjp<'py>(
-        slf: &Bound<'py, Self>,
-        q: &Bound<'py, PyAny>,
-        qd: &Bound<'py, PyAny>,
-        controls: &Bound<'py, PyAny>,
-        dt: &Bound<'py, PyAny>,
-        q_weights: &Bound<'py, PyAny>,
-        qd_weights: &Bound<'py, PyAny>,
-        step: &str,
-        gains: Option<&Bound<'py, PyAny>>,
-        q_ref: Option<&Bound<'py, PyAny>>,
-        qd_ref: Option<&Bound<'py, PyAny>>,
-        cost: Option<&Bound<'py, PyAny>>,
-        cost_weights: Option<&Bound<'py, PyAny>>,
-        settings: Option<&Bound<'py, PyAny>>,
-        warm_start: Option<&Bound<'py, PyAny>>,
-        act: Option<&Bound<'py, PyAny>>,
-        applied: Option<&Bound<'py, PyAny>>,
-        ground: Option<&Bound<'py, PyAny>>,
-        trajectory: bool,
-    ) -> PyResult<Bound<'py, PyAny>> {
-        let others = [act, applied, settings, warm_start, gains, q_ref, qd_ref];
-        let arguments = rollout_arguments([q, qd, controls, dt], others)?;
-        let vjp = slf.py().import("modyn._rollout")?.getattr("rollout_vjp")?;
-        let weights = (q_weights, qd_weights, cost_weights);
-        vjp.call1((slf, arguments, weights, (step, ground), trajectory, cost))
-    }
-
-    /// Returns the results of each of `steps` calls of `step` under the joint forces
-    /// `policy(time, q, qd)`, which gets the time (s) and the state before each step. `modyn.show`
-    /// shows the motion. A rollout without a call of Python in each step is `rollout`.
-    ///
-    /// Arguments: `policy`: a function that returns tau: (nv,); `q`: (nq,); `qd`: (nv,); `dt`: ();
-    /// `steps`: the number of steps; `settings` and `ground` as in `rollout`. Leading axes of `q` and
-    /// `qd` are axes of motions, which `policy` gets, too. Result: `StepSolution`, with an axis of
-    /// steps after the axes of motions.
-    #[pyo3(signature = (policy, q, qd, dt, steps, settings=None, *, ground=None))]
-    #[allow(clippy::too_many_arguments)]
-    fn simulate<'py>(
-        slf: &Bound<'py, Self>,
-        policy: &Bound<'py, PyAny>,
-        q: &Bound<'py, PyAny>,
-        qd: &Bound<'py, PyAny>,
-        dt: &Bound<'py, PyAny>,
-        steps: &Bound<'py, PyAny>,
-        settings: Option<&Bound<'py, PyAny>>,
-        ground: Option<&Bound<'py, PyAny>>,
-    ) -> PyResult<Bound<'py, PyAny>> {
-        let given = [Some(q), Some(qd), Some(dt), settings];
-        let arguments = named(slf.py(), &["q", "qd", "dt", "settings"], &given)?;
-        let simulate = slf.py().import("modyn._rollout")?.getattr("simulate")?;
-        simulate.call1((slf, policy, arguments, steps, ground))
-    }
-}
-
-/// The names of the arguments of a rollout.
-const ROLLOUT_ARGUMENTS: [&str; 11] = [
-    "q",
-    "qd",
-    "controls",
-    "dt",
-    "act",
-    "applied",
-    "settings",
-    "warm_start",
-    "gains",
-    "q_ref",
-    "qd_ref",
-];
-
-/// Returns the arguments of a rollout by their names: the state, the controls and the time, then the
-/// activations, the applied forces, the settings, the warm start and the feedback.
-fn rollout_arguments<'py>(
-    required: [&Bound<'py, PyAny>; 4],
-    others: [Option<&Bound<'py, PyAny>>; 7],
-) -> PyResult<Bound<'py, PyDict>> {
-    let given: Vec<_> = required.into_iter().map(Some).chain(others).collect();
-    named(required[0].py(), &ROLLOUT_ARGUMENTS, &given)
-}
-
-/// Returns arguments by their names.
-fn named<'py>(
-    py: Python<'py>,
-    names: &[&str],
-    given: &[Option<&Bound<'py, PyAny>>],
-) -> PyResult<Bound<'py, PyDict>> {
-    let arguments = PyDict::new(py);
-    for (name, given) in names.iter().zip(given) {
-        arguments.set_item(name, given)?;
-    }
-    Ok(arguments)
 }
 
 impl Robot {
@@ -328,10 +167,8 @@ impl Robot {
         field: &FieldNumbers<'_>,
         derivative: Option<Derivative>,
     ) -> PyResult<AnyCode> {
-        let (ArrayCode::Function(step), Some(ArrayCode::Function(poses))) = (step, S::code(poses))
-        else {
-            return Err(no_step());
-        };
+        let ArrayCode::Function(step) = step else { return Err(no_step()) };
+        let Some(ArrayCode::Function(poses)) = S::code(poses) else { return Err(no_step()) };
         let functions = [step, poses].map(Arc::clone);
         let on_field = FieldStep::new(self, functions, field, derivative)
             .map_err(|error| PyValueError::new_err(error.to_string()))?;

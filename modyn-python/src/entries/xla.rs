@@ -2,9 +2,9 @@
 //! the key of the code.
 //!
 //! Unsafe code: XLA's structs and arrays are read by their addresses. It is sound because XLA keeps
-//! them as long as a call takes, and their layout is that of XLA's header (`interface.rs`).
-//! Arguments are not written meanwhile, and results overlap nothing. A task for XLA's threads owns
-//! a reference to its job, so it can run at any time; the work of the job, which borrows from the
+//! them as long as a call takes, and their layout follows XLA's header (`interface.rs`). Arguments
+//! are not written meanwhile, and results overlap nothing. A task for XLA's threads owns a
+//! reference to its job, so it can run at any time; the work of the job, which borrows from the
 //! call, is only touched with a chunk that is not done, and the call ends when all chunks are done.
 #![allow(unsafe_code)]
 

@@ -28,8 +28,7 @@ impl GpuArray {
 #[pymethods]
 impl GpuArray {
     /// Waits until the numbers are computed, and returns a copy of them: an array of `float32`, or
-    /// a named tuple of arrays as the robot's function returns. The first axis is that of the
-    /// states.
+    /// a named tuple of arrays as the robot's function returns. The first axis counts states.
     fn numpy<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let scalars = self.array.scalars();
         let states = self.array.states();
@@ -63,7 +62,7 @@ pub(super) fn layout(shape: &[usize]) -> Layout {
     Layout::Array(Leaf { offset: 0, axes })
 }
 
-/// Copies numbers to the processor, those of one state after another.
+/// Copies numbers to the processor, the numbers of one state after another.
 pub(super) fn upload(
     py: Python<'_>,
     gpu: &Gpu,

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use modyn_codegen::{FloatType, Function, Planning};
+use modyn_codegen::{FloatType, Function, Planning, RolloutForces, RolloutOptions};
 use modyn_gpu::Gpu;
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
@@ -78,7 +78,7 @@ impl GpuRobot {
     }
 
     /// Copies an array of n states to the processor, which rounds the numbers to single precision.
-    /// The first axis is that of the states.
+    /// The first axis counts states.
     fn upload(&self, py: Python<'_>, array: &Bound<'_, PyAny>) -> PyResult<GpuArray> {
         let (array, shape) = any(py, &self.gpu, array)?;
         Ok(GpuArray::new(array, layout(&shape)))
@@ -159,7 +159,20 @@ impl GpuRobot {
             }
         };
         let robot = self.robot.clone_ref(py);
-        GpuRollout::new(py, (&self.gpu, robot), &functions, (cost, contacts), (forces, controls))
+        let forces = match (forces, controls) {
+            (Some(text), Some(controls)) => Some(RolloutForces { text, controls }),
+            (None, None) => None,
+            (Some(_), None) => {
+                let message = "`forces` needs `controls`, the number of controls of a step";
+                return Err(PyValueError::new_err(message));
+            }
+            (None, Some(_)) => {
+                let message = "without `forces` the controls are the joint forces, and `controls` is not given";
+                return Err(PyValueError::new_err(message));
+            }
+        };
+        let options = RolloutOptions { cost, forces, contacts };
+        GpuRollout::new(py, &self.gpu, robot, &functions, &options)
     }
 
     fn __repr__(&self) -> String {

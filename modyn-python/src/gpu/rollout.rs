@@ -1,7 +1,7 @@
 //! Rollouts: motions over many time steps, a thread for each.
 #![allow(clippy::too_many_arguments)]
 
-use modyn_codegen::{FloatType, Function, RolloutForces, RolloutOptions};
+use modyn_codegen::{FloatType, Function, RolloutOptions};
 use modyn_gpu::{Gpu, Rollout, RolloutArguments};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -32,30 +32,17 @@ impl GpuRollout {
     /// the processor refuses a function of the user.
     pub(super) fn new(
         py: Python<'_>,
-        (gpu, robot): (&Gpu, Py<Robot>),
+        gpu: &Gpu,
+        robot: Py<Robot>,
         functions: &[Function],
-        (cost, contacts): (Option<String>, Option<String>),
-        (forces, controls): (Option<String>, Option<usize>),
+        options: &RolloutOptions,
     ) -> PyResult<Self> {
-        let forces = match (forces, controls) {
-            (Some(text), Some(controls)) => Some(RolloutForces { text, controls }),
-            (None, None) => None,
-            (Some(_), None) => {
-                let message = "`forces` needs `controls`, the number of controls of a step";
-                return Err(PyValueError::new_err(message));
-            }
-            (None, Some(_)) => {
-                let message = "without `forces` the controls are the joint forces, and `controls` is not given";
-                return Err(PyValueError::new_err(message));
-            }
-        };
         let cpu_robot = robot.get();
         let base = cpu_robot.builder().clone().scalar(FloatType::F32);
         let builder =
             base.functions(functions.iter().copied()).bundles(cpu_robot.bundles().cloned());
         let planning = builder.plan().map_err(|errors| description_error(py, &errors))?;
-        let options = RolloutOptions { cost, forces, contacts };
-        let created = py.detach(|| Rollout::new(gpu, &builder, &options));
+        let created = py.detach(|| Rollout::new(gpu, &builder, options));
         let rollout = created.map_err(|error| exception(py, error))?;
         let has_parameters = rollout.source().parameters > 0;
         let plan = &planning.plan;
@@ -95,7 +82,7 @@ impl GpuRollout {
     /// k. The arrays may be on the processor.
     ///
     /// `step` is a time step among the functions; `"constrained_forward_dynamics"` for steps that
-    /// close loops and hold contacts, whose `settings` are those of the function. `data` are
+    /// close loops and hold contacts, whose `settings` are the function's settings. `data` are
     /// numbers for your functions. `act`, (activations,) or (k, activations), are the activations and
     /// the delayed controls with which `"step_actuated"` begins, by default zeros. Returns
     /// `RolloutResults`, whose arrays stay on the processor:
