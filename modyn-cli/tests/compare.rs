@@ -139,7 +139,8 @@ fn steps_of_a_scene_are_those_of_mujoco() {
     let lighter = run(SCENE, &["--gravity", "0,0,-9.8"]);
     assert!(lighter.code == 1 && lighter.json()["agrees"] == false, "{}", lighter.out);
     // Contacts with other shapes do not count, and are named.
-    let table = r#"<geom name="table" type="box" size="0.5 0.5 0.02" pos="0 0 0.01"/><body name="ball""#;
+    let table =
+        r#"<geom name="table" type="box" size="0.5 0.5 0.02" pos="0 0 0.01"/><body name="ball""#;
     let touching = run(&SCENE.replace(r#"<body name="ball""#, table), &[]);
     assert!(touching.out.contains("`ball` with `table`"), "{}{}", touching.out, touching.err);
     let left_out = touching.json()["rows"][0]["left_out"].as_u64();

@@ -130,11 +130,7 @@ impl<S: Real> Writer<S> {
     }
 
     /// Returns the parts of the entry of a program with loops.
-    fn looped<'a>(
-        &mut self,
-        function: &CompiledFunction,
-        code: &'a LoopedCode,
-    ) -> LoopedBody<'a> {
+    fn looped<'a>(&mut self, function: &CompiledFunction, code: &'a LoopedCode) -> LoopedBody<'a> {
         let mut label = |code: &Code| self.a.label_at(code.entry);
         let arguments: Vec<usize> =
             function.arguments.iter().map(|(_, shape)| shape.len()).collect();

@@ -10,8 +10,8 @@ use modyn_runtime::conventions::{
 };
 use modyn_runtime::joint::{JointType, planar};
 use modyn_runtime::model::{
-    Cone, Frame, Inertial, Integrator, JointDynamics, Keyframe, LoopConstraintEnd, LoopConstraintKind,
-    Model,
+    Cone, Frame, Inertial, Integrator, JointDynamics, Keyframe, LoopConstraintEnd,
+    LoopConstraintKind, Model,
 };
 use modyn_runtime::spatial::Pose;
 
@@ -500,7 +500,8 @@ impl Writer<'_> {
             let leader = self.velocities(mimic.leader, keyframe)[0];
             return vec![mimic.multiplier * leader];
         }
-        let [q, qd] = [&keyframe.q[self.model.q_range(link)], &keyframe.qd[self.model.v_range(link)]];
+        let [q, qd] =
+            [&keyframe.q[self.model.q_range(link)], &keyframe.qd[self.model.v_range(link)]];
         match (q, qd) {
             (&[x, y, z, a, b, c, d], &[vx, vy, vz, wx, wy, wz]) => {
                 to_qvel([x, y, z, a, b, c, d], [vx, vy, vz, wx, wy, wz]).to_vec()

@@ -4,8 +4,9 @@ use alloc::{collections::BTreeMap, vec::Vec};
 
 use super::{
     Activation, ActivationDynamics, Actuation, Actuator, AffineLaw, ContactShape, Friction,
-    Impedance, Inertial, JointSum, Keyframe, Limits, Model, ModelError, ModelErrorKind, SoftConstraints,
-    SoftCoupling, SoftTendon, Softness, TendonSpring, TorqueSpeedLine, Transmission,
+    Impedance, Inertial, JointSum, Keyframe, Limits, Model, ModelError, ModelErrorKind,
+    SoftConstraints, SoftCoupling, SoftTendon, Softness, TendonSpring, TorqueSpeedLine,
+    Transmission,
 };
 use crate::joint::JointType;
 use crate::spatial::Pose;

@@ -193,7 +193,9 @@ impl Arguments {
             false => format!("there are: {}", sanitize_for_display(&names.join(", "))),
         };
         let name = sanitize_for_display(name);
-        Err(Failure::usage(format!("error: `--key`: no keyframe has the name `{name}`\nhelp: {help}")))
+        Err(Failure::usage(format!(
+            "error: `--key`: no keyframe has the name `{name}`\nhelp: {help}"
+        )))
     }
 
     /// Returns what the ground, the joint limits and the actuators do.

@@ -167,9 +167,11 @@ impl Robot<'_> {
                 name
             };
             table += &format!("({keyframe:?}, Self::{}), ", print("coordinates", "", q));
-            for (what, ending, numbers) in
-                [("velocities", "_qd", qd), ("controls", "_ctrl", ctrl), ("activations", "_act", act)]
-            {
+            for (what, ending, numbers) in [
+                ("velocities", "_qd", qd),
+                ("controls", "_ctrl", ctrl),
+                ("activations", "_act", act),
+            ] {
                 if !numbers.is_empty() {
                     print(what, ending, numbers);
                 }

@@ -73,7 +73,9 @@ impl<'a> Joints<'a> {
     pub fn coordinates(&self, qpos: &[f64]) -> Vec<f64> {
         let mut q = vec![0.0; self.model.nq()];
         for (link, place) in self.places.iter().enumerate() {
-            let Some([at, _]) = place.filter(|_| self.model.mimic(link).is_none()) else { continue };
+            let Some([at, _]) = place.filter(|_| self.model.mimic(link).is_none()) else {
+                continue;
+            };
             let range = self.model.q_range(link);
             let joint_q = &mut q[range.clone()];
             match (self.model.links()[link].joint.joint_type, &qpos[at..at + range.len()]) {
