@@ -111,8 +111,8 @@ fn momentum_changes_by_forces_from_outside() {
                 for (TouchingPoint { shape, place, .. }, in_plane) in points.iter().zip(&forces) {
                     let plane = settings.contacts[*shape].plane.rotation;
                     let push = Matrix3(plane).mul_vector(Vector3(*in_plane));
-                    force = force + push;
-                    moment = moment + (*place - center).cross(push);
+                    force += push;
+                    moment += (*place - center).cross(push);
                     size = size.max(push.dot(push).sqrt());
                     pushing += usize::from(push.dot(push) > 0.0);
                 }
