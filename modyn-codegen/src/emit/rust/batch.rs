@@ -155,7 +155,10 @@ impl Robot<'_> {
         };
         let mut flat = list(number_arguments().map(flattened).collect());
         if let Some(set) = sets().next() {
-            let flags = if set.shape.is_empty() { "|()| []" } else { "|set| set.to_array()" };
+            let flags = match set.shape.is_empty() {
+                true => "|(): &()| []".to_string(),
+                false => format!("|set: &{}| set.to_array()", self.contacts_type()),
+            };
             flat = format!(
                 "__modyn::batch::FlaggedStates {{ inputs: {flat}, sets: Some({}), flags: {flags} }}",
                 set.name
