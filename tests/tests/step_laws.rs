@@ -172,7 +172,7 @@ fn slippery_ground_keeps_the_momentum_along_it() {
             let along = along.map(|axis| axis.dot(change).abs());
             [along[0].max(along[1]) / push.max(mass(&model)), push]
         };
-        let [without, push] = change(1e-3, &mut robot);
+        let [without, push] = change(1e-4, &mut robot);
         let [with, _] = change(1.0, &mut robot);
         assert!(without < 1e-2, "{seed}: {without} of {push}");
         largest = largest.max(with);

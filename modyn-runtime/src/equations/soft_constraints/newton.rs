@@ -97,7 +97,9 @@ impl<S: Scalar, T: BodyTree<S>> StepProblem<'_, S, T> {
         let least = S::from_f64(FULL_STEP) * slopes[0].abs();
         // The first iterate has no forces in equilibrium, so its full step is taken.
         let is_flat = (least - slopes[1]).select_nonnegative(one, -one);
-        let is_taken = (-progress.iterations).select_nonnegative(one, is_flat);
+        // A search needs a start from which the function falls, which rounding hides near the solution.
+        let is_final = slopes[0].select_nonnegative(one, is_flat);
+        let is_taken = (-progress.iterations).select_nonnegative(one, is_final);
         Advance {
             end,
             progress: Progress { scale: next_scale, iterations, residual, end: solved },
