@@ -127,6 +127,8 @@ pub struct Step {
     /// The largest mismatch between the forces and their laws, divided by the sum of the robot's
     /// weight and the largest force.
     pub residual: f64,
+    /// The number of iterations of the solver.
+    pub iterations: f64,
 }
 
 /// A point that can touch the ground, before a step.
@@ -207,6 +209,13 @@ impl ContactSteps {
         self
     }
 
+    /// Returns the steps with this tolerance of the solver.
+    #[must_use]
+    pub fn with_tolerance(mut self, tolerance: f64) -> Self {
+        self.settings.tolerance = tolerance;
+        self
+    }
+
     /// Reduces joint forces to the effort limits.
     pub fn limit(&self, tau: &mut [f64]) {
         for &(velocity, effort) in &self.efforts {
@@ -231,6 +240,7 @@ impl ContactSteps {
             tau: tau.to_vec(),
             points: Vec::new(),
             residual: 0.0,
+            iterations: 0.0,
         };
         let outputs = StepSolutionOutputs {
             q: &mut step.q,
@@ -238,7 +248,7 @@ impl ContactSteps {
             qdd: &mut step.qdd,
             forces: &mut forces,
             residual: &mut step.residual,
-            iterations: &mut 0.0,
+            iterations: &mut step.iterations,
         };
         match actuators {
             None => {

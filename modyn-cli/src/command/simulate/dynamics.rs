@@ -164,7 +164,7 @@ impl<'a> Dynamics<'a> {
         self.set_torques(time);
         let State { q, qd, energy: [work, taken] } = state;
         let Some(steps) = &mut self.contact_steps else { return Ok(state.clone()) };
-        let Step { q: next_q, qd: next_qd, qdd, tau, points, residual } =
+        let Step { q: next_q, qd: next_qd, qdd, tau, points, residual, .. } =
             steps.step(TimeStepInput { q, qd, tau: &self.tau, dt })?;
         self.lowest = points.iter().map(|point| point.gap).fold(self.lowest, f64::min);
         self.residual = self.residual.max(residual);

@@ -5,11 +5,9 @@ mod python;
 
 use modyn_codegen::Format;
 use modyn_codegen::diagnostics::{Diagnostics, sanitize_for_display};
+use modyn_runtime::Interpreter;
 use modyn_runtime::equations::TimeStepInput;
-use modyn_runtime::equations::actuation::ActuatorInput;
-use modyn_runtime::equations::soft_constraints::{ActuatedInput, StepInput};
-use modyn_runtime::model::Model;
-use modyn_runtime::{ContactSurface, Interpreter, StepSettings, StepSolutionOutputs};
+use modyn_runtime::model::{Keyframe, Model};
 use serde_json::{Value, json};
 
 use super::{Arguments, shape};
@@ -17,6 +15,7 @@ use crate::command::outcome::{Failure, to_stdout};
 use crate::command::progress::Progress;
 use crate::command::robot::needs_dynamics;
 use crate::command::table::Table;
+use crate::contact_steps::{ContactSteps, Ground, Limits, Options};
 use crate::escape;
 use crate::random::Random;
 use joints::{Joints, TheirJoint};
@@ -39,14 +38,6 @@ const DISPLACEMENTS: [f64; 2] = [0.05, 0.25];
 
 /// The largest number of pairs of shapes that are named.
 const MAX_PAIRS: usize = 4;
-
-/// A state from which both programs move, and the controls of the motion.
-struct Start {
-    q: Vec<f64>,
-    qd: Vec<f64>,
-    ctrl: Vec<f64>,
-    act: Vec<f64>,
-}
 
 /// The velocities `qvel` after the first step and after the last one, by modyn.
 struct Ends {
@@ -142,7 +133,7 @@ fn compare(
     let is_actuated = actuators == [model.control_names().len(), model.activation_names().len()];
     let inputs = if is_actuated { actuators } else { [0; 2] };
     let starts = starts(arguments, model, &joints.coordinates(&numbers(&scene["start"])), inputs)?;
-    let theirs = |Start { q, qd, ctrl, act }: &Start| {
+    let theirs = |Keyframe { q, qd, ctrl, act, .. }: &Keyframe| {
         let zeros = |numbers: &[f64], count| [numbers, &vec![0.0; count - numbers.len()]].concat();
         json!({
             "qpos": joints.qpos(q),
@@ -155,10 +146,11 @@ fn compare(
     let answer =
         process.ask(&json!({"steps": STEPS, "actuated": is_actuated, "states": states}))?;
     let timestep = scene["timestep"].as_f64().unwrap_or_default();
-    let mut robot = Robot::new(model, timestep, is_actuated && actuators[0] > 0);
+    let options =
+        Options { ground: Ground::Described, limits: Limits::Act, actuators: is_actuated };
     let moved = starts
         .iter()
-        .map(|start| robot.motion(start, &joints))
+        .map(|start| motion(model, options, timestep, start, &joints))
         .collect::<Result<Vec<Ends>, Failure>>()?;
     let tolerance = arguments.tolerance.unwrap_or(TOLERANCE);
     let mut rows = Vec::new();
@@ -196,7 +188,7 @@ fn starts(
     model: &Model,
     near: &[f64],
     [controls, activations]: [usize; 2],
-) -> Result<Vec<Start>, Failure> {
+) -> Result<Vec<Keyframe>, Failure> {
     let interpreter = Interpreter::<f64>::new(model.clone());
     let mut random = Random::new(arguments.seed);
     let mut start = |i: usize| {
@@ -205,7 +197,8 @@ fn starts(
         let mut q = near.to_vec();
         interpreter.integrate(near, &moved, &mut q).map_err(shape)?;
         interpreter.normalize(&mut q).map_err(shape)?;
-        Ok(Start {
+        Ok(Keyframe {
+            name: String::new(),
             q,
             qd: some(model.nv(), 1.0),
             ctrl: some(controls, 1.0),
@@ -215,66 +208,31 @@ fn starts(
     (0..arguments.states as usize).map(&mut start).collect()
 }
 
-/// A robot that moves by modyn's steps.
-struct Robot {
-    interpreter: Interpreter<f64>,
-    settings: StepSettings<f64, Vec<ContactSurface<f64>>>,
+/// Returns the velocities after the first step and after the last one from a state, by modyn.
+fn motion(
+    model: &Model,
+    options: Options,
     timestep: f64,
-    is_actuated: bool,
-}
-
-impl Robot {
-    fn new(model: &Model, timestep: f64, is_actuated: bool) -> Self {
-        let settings = StepSettings { tolerance: SOLVER_TOLERANCE, ..model.step_settings() };
-        Self { interpreter: Interpreter::new(model.clone()), settings, timestep, is_actuated }
-    }
-
-    /// Returns the velocities after the first step and after the last one from a state.
-    fn motion(&mut self, start: &Start, joints: &Joints<'_>) -> Result<Ends, Failure> {
-        let Start { mut q, mut qd, mut act, ctrl } = Start {
-            q: start.q.clone(),
-            qd: start.qd.clone(),
-            act: start.act.clone(),
-            ctrl: start.ctrl.clone(),
-        };
-        let points = self.interpreter.touching_points(&q, &self.settings).map_err(shape)?.len();
-        let zeros = vec![0.0; qd.len()];
-        let mut qdd = zeros.clone();
-        let mut first = Vec::new();
-        let mut most = 0.0_f64;
-        for step in 0..STEPS {
-            let [mut next_q, mut next_qd, mut next_qdd] = [q.clone(), qd.clone(), qdd.clone()];
-            let mut iterations = 0.0;
-            let outputs = StepSolutionOutputs {
-                q: &mut next_q,
-                qd: &mut next_qd,
-                qdd: &mut next_qdd,
-                forces: &mut vec![0.0; 3 * points],
-                residual: &mut 0.0,
-                iterations: &mut iterations,
-            };
-            let dt = self.timestep;
-            if self.is_actuated {
-                let actuators = ActuatorInput { q: &q, qd: &qd, ctrl: &ctrl, act: &act, dt };
-                let input = ActuatedInput { actuators, applied: &zeros, warm_start: &qdd };
-                let mut next_act = act.clone();
-                let interpreter = &mut self.interpreter;
-                let done = interpreter.step_actuated(input, &self.settings, outputs, &mut next_act);
-                done.map_err(shape)?;
-                act = next_act;
-            } else {
-                let step = TimeStepInput { q: &q, qd: &qd, tau: &zeros, dt };
-                let input = StepInput { step, warm_start: &qdd };
-                self.interpreter.step(input, &self.settings, outputs).map_err(shape)?;
-            }
-            [q, qd, qdd] = [next_q, next_qd, next_qdd];
-            most = most.max(iterations);
-            if step == 0 {
-                first = joints.qvel(&q, &qd);
-            }
+    start: &Keyframe,
+    joints: &Joints<'_>,
+) -> Result<Ends, Failure> {
+    let mut steps = ContactSteps::new(model, options, &start.q)
+        .from_keyframe(start)
+        .with_tolerance(SOLVER_TOLERANCE);
+    let Keyframe { mut q, mut qd, .. } = start.clone();
+    let tau = vec![0.0; qd.len()];
+    let mut first = Vec::new();
+    let mut iterations = 0.0_f64;
+    for k in 0..STEPS {
+        let input = TimeStepInput { q: &q, qd: &qd, tau: &tau, dt: timestep };
+        let step = steps.step(input).map_err(shape)?;
+        [q, qd] = [step.q, step.qd];
+        iterations = iterations.max(step.iterations);
+        if k == 0 {
+            first = joints.qvel(&q, &qd);
         }
-        Ok(Ends { qvel: [first, joints.qvel(&q, &qd)], iterations: most })
     }
+    Ok(Ends { qvel: [first, joints.qvel(&q, &qd)], iterations })
 }
 
 impl Row {
