@@ -235,10 +235,7 @@ impl Lowering {
                     .packed(Packing::ConstrainedColumns)
                     .rows(|t, s, inputs| t.operational_space_inertia_around_rows(&s.layout, inputs))
             }
-            Function::Step
-            | Function::StepDerivatives
-            | Function::StepActuated
-            | Function::StepActuatedDerivatives => {
+            _ if function.row().has_solver => {
                 Lowering { source: GraphSource::Step, ..Lowering::EVALUATED }
             }
             Function::LinkPoses => Lowering { source: GraphSource::Poses, ..Lowering::EVALUATED },

@@ -251,8 +251,7 @@ impl PlanContext<'_> {
     pub(super) fn step(&self, function: Function, scalars: usize, form: StepForm) -> Kernels {
         let soft = SoftModel::of(self.model);
         let drive = self.drive(function);
-        let has_derivatives =
-            matches!(function, Function::StepDerivatives | Function::StepActuatedDerivatives);
+        let has_derivatives = function.row().derivatives_of.is_some();
         let derivatives = |column_lanes: usize| {
             let layout = &self.for_derivatives;
             has_derivatives.then_some(DerivativeForm { layout, column_lanes })

@@ -137,8 +137,8 @@ impl Robot {
         let function = named
             .filter(|function| *function != Function::Brge)
             .ok_or_else(|| PyValueError::new_err(signature::unknown(name)))?;
-        if let Function::StepDerivatives | Function::StepActuatedDerivatives = function {
-            let step = name.trim_end_matches("_derivatives");
+        if let Some(step) = function.row().derivatives_of {
+            let step = step.name();
             let message = format!("`{name}` is no function of arrays: differentiate `{step}`");
             return Err(PyValueError::new_err(message));
         }

@@ -35,6 +35,9 @@ pub struct Row {
     pub depends_on_parameters: bool,
     /// Whether the function has a solver, which is a loop in its program.
     pub has_solver: bool,
+    /// The time step whose results the function has, with the derivatives of the state after it; for
+    /// a step with a solver.
+    pub derivatives_of: Option<Function>,
     /// Whether the function needs inertia: a mass matrix that is not singular, or the mass of
     /// links. Robots whose links have none do not have it.
     pub needs_inertia: bool,
@@ -66,6 +69,7 @@ impl Row {
         of_actuators: false,
         depends_on_parameters: false,
         has_solver: false,
+        derivatives_of: None,
         needs_inertia: false,
         hot: false,
         casadi: false,

@@ -488,6 +488,7 @@ pub const ROWS: &[Row] = &[
             follow from the implicit function theorem at the solution; where a contact opens or \
             closes, or a point begins to slide, they are one-sided.",
         has_solver: true,
+        derivatives_of: Some(Function::Step),
         ..Row::INERTIAL
     },
     Row {
@@ -532,6 +533,7 @@ pub const ROWS: &[Row] = &[
             `act`. All else is as in `step_derivatives`.",
         of_actuators: true,
         has_solver: true,
+        derivatives_of: Some(Function::StepActuated),
         ..Row::INERTIAL
     },
     Row {
