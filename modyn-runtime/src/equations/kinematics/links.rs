@@ -206,13 +206,21 @@ pub fn jacobian<S: Scalar>(
                 point = body.placement.point_to_parent(at_joint);
             }
         }
-        Axes::Link => {
-            let mut seen = LinkInBody::fixed(&pose);
-            for i in kinematic_path::towards_world(model, last) {
-                add_columns(model, i, &seen.axes, seen.point, columns);
-                seen = seen.towards_world(&model.bodies[i], q);
-            }
-        }
+        Axes::Link => add_columns_of_frame(model, BodyFrame { body: last, pose }, q, columns),
+    }
+}
+
+/// Adds the columns of the [`jacobian`] of a frame in the frame's axes.
+pub(in crate::equations) fn add_columns_of_frame<S: Scalar>(
+    model: &Mechanism<S>,
+    BodyFrame { body, pose }: BodyFrame<S>,
+    q: &[S],
+    columns: &mut [Twist<S>],
+) {
+    let mut seen = LinkInBody::fixed(&pose);
+    for i in kinematic_path::towards_world(model, body) {
+        add_columns(model, i, &seen.axes, seen.point, columns);
+        seen = seen.towards_world(&model.bodies[i], q);
     }
 }
 

@@ -40,13 +40,15 @@ use crate::equations::dynamics::{Elimination, is_base};
 use crate::equations::factorization::limb_coupling::LimbAccess;
 use crate::equations::factorization::{Factorizable, factorize_matrix, inverse, solve};
 use crate::equations::kinematics::coordinates::qdot_to_velocity;
+use crate::equations::kinematics::kinematic_path::towards_world;
+use crate::equations::kinematics::links::add_columns_of_frame;
 use crate::equations::{Motion, TimeStepInput, Workspace};
 use crate::joint::ElementaryJoint;
 use crate::mechanism::coordinates::{CoordinateSpace, Coordinates};
-use crate::mechanism::{BodyTree, Dof, Mechanism};
+use crate::mechanism::{BodyFrame, BodyTree, Dof, Mechanism};
 use crate::scalar::Tangent;
 use crate::spatial::{
-    ArticulatedInertia, Matrix3, Quaternion, Twist, Vector3, Wrench, rotation_jacobian,
+    ArticulatedInertia, Matrix3, Pose, Quaternion, Twist, Vector3, Wrench, rotation_jacobian,
 };
 use crate::{ContactSurface, Scalar, StepSettings};
 
@@ -396,52 +398,40 @@ struct PoseChange<S> {
 }
 
 impl<S: Scalar> TouchingMotion<S> {
-    /// Returns the motion of a body. Expects the joint transforms.
+    /// Returns the motion of a body.
     fn new<T: BodyTree<S>>(problem: &StepProblem<'_, S, T>, body: usize) -> Self {
         let model = problem.tree.mechanism();
-        let motions = &problem.workspace.motions;
-        let parent = |&i: &usize| model.bodies[i].parent;
-        let mut path: Vec<usize> = core::iter::successors(Some(body), parent).collect();
-        path.reverse();
-        let mut twists: Vec<(usize, Twist<S>)> = Vec::new();
-        for i in path {
-            let moved = &model.bodies[i];
-            for (_, twist) in &mut twists {
-                *twist = moved.twist_to_child(&motions[i], *twist);
-            }
-            twists.extend(moved.dofs.clone().map(|dof| {
-                let unit = |k| if k == model.dofs[dof].component { S::one() } else { S::zero() };
-                (dof, Twist::from_components(core::array::from_fn(unit)))
-            }));
-        }
+        let TimeStepInput { q, qd, .. } = problem.input.step;
         let mut contacts = problem.contacts.iter().filter(|contact| contact.body == body);
-        let place =
-            contacts.next().map(|contact| contact.place).filter(|_| contacts.next().is_none());
+        let first = contacts.next().map(|contact| contact.place);
+        let place = first.filter(|_| contacts.next().is_none());
+        let translation = place.unwrap_or_else(Vector3::zero);
+        let pose = Pose { translation: translation.0, ..Pose::identity() };
+        let mut columns = vec![Twist::zero(); model.nv];
+        add_columns_of_frame(model, BodyFrame { body: Some(body), pose }, q, &mut columns);
+        let mut path: Vec<usize> = towards_world(model, Some(body)).collect();
+        path.reverse();
         let mut joints: Vec<PathJoint<S>> = Vec::new();
-        // The velocities and accelerations by all joints up to now, and up to the body before.
-        let mut sums = [Twist::zero(); 2];
-        let mut in_front = sums;
-        let rates = [problem.input.step.qd, &problem.accelerations];
-        for (dof, displacement) in twists {
-            let Dof { v, body, .. } = model.dofs[dof];
-            if joints.last().is_some_and(|last| last.body != body) {
-                in_front = sums;
-            }
-            let Twist { angular, linear } = displacement;
-            let linear = place.map_or(linear, |place| linear + angular.cross(place));
-            let twist = Twist { angular, linear };
-            for (sum, rates) in sums.iter_mut().zip(rates) {
-                *sum = *sum + twist.scale(rates[v]);
-            }
+        // The velocities and accelerations by the joints up to the body before.
+        let mut in_front = [Twist::zero(); 2];
+        for i in path {
             let [velocity_in_front, acceleration_in_front] = in_front;
-            joints.push(PathJoint {
-                v,
-                body,
-                displacement,
-                twist,
-                velocity_in_front,
-                acceleration_in_front,
-            });
+            for &Dof { v, body, .. } in model.dofs_of(i) {
+                let twist = columns[v];
+                let linear =
+                    place.map_or(twist.linear, |place| twist.linear - twist.angular.cross(place));
+                for (sum, rates) in in_front.iter_mut().zip([qd, &problem.accelerations]) {
+                    *sum = *sum + twist.scale(rates[v]);
+                }
+                joints.push(PathJoint {
+                    v,
+                    body,
+                    displacement: Twist { linear, ..twist },
+                    twist,
+                    velocity_in_front,
+                    acceleration_in_front,
+                });
+            }
         }
         Self { body, place, joints }
     }

@@ -13,10 +13,10 @@ pub struct StepInput<'a, S> {
     pub warm_start: &'a [S],
 }
 
-/// The constraints of a step: what they have by the robot, and the settings.
+/// The soft constraints of a step.
 #[derive(Debug)]
 pub struct StepConstraints<'a, S, C> {
-    /// What the constraints have by the robot.
+    /// The parameters that the robot determines.
     pub soft: &'a SoftModel<S>,
     /// The settings, with a surface for each shape that touches the ground.
     pub settings: &'a StepSettings<S, C>,

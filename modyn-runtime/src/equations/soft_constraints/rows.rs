@@ -110,7 +110,6 @@ pub(super) struct ContactOptions<S> {
 }
 
 /// The state of a body.
-#[derive(Clone)]
 pub(super) struct BodyState<S> {
     /// The pose in the world.
     pub pose: Pose<S>,
