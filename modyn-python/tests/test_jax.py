@@ -138,6 +138,8 @@ def test_derivatives_of_steps():
     close(jax.jacfwd(value)(*x)[1], jax.jacrev(value)(*x)[1], 1e-9)
     with pytest.raises(NotImplementedError, match="`step` has first derivatives alone"):
         jax.hessian(lambda q: value(q, *x[1:])[1].sum())(x[0])
+    with pytest.raises(ValueError, match="`step_derivatives` is no function of arrays: differentiate `step`"):
+        modyn.jax.function(own, "step_derivatives")
 
 
 @pytest.mark.parametrize("name", ["forward_dynamics", "inverse_dynamics", "step_semi_implicit", "integrate", "link_pose"])

@@ -259,20 +259,25 @@ def solve_exactly(model, step):
     model.opt.iterations, model.opt.ls_iterations = 300, 100
 
 
+def of_golden(file, scene):
+    """Returns a scene of the reference data, its robot, MuJoCo's model and the settings, whose steps are solved to the end."""
+    case = json.loads((GOLDEN / f"{file}.json").read_text())[scene]
+    robot = modyn.loads(case["mjcf"], file="floor.xml", unread_forces="warn", mimic="independent")
+    model = mujoco.MjModel.from_xml_string(case["mjcf"])
+    solve_exactly(model, case["step"])
+    settings = robot.step_settings()
+    settings.tolerance = 1e-13
+    return case, robot, model, settings
+
+
 @pytest.mark.parametrize("scene", range(48))
 @pytest.mark.filterwarnings("ignore:.*in `step`")
 def test_motions_on_a_floor(scene):
     """Motions of 50 steps of random robots over planes, each step from the accelerations of the last one; some joints have
     ranges narrower than twice their margin, so that both limits act."""
-    case = json.loads((GOLDEN / "floors.json").read_text())[scene]
-    robot = modyn.loads(case["mjcf"], file="floor.xml", unread_forces="warn", mimic="independent")
-    model = mujoco.MjModel.from_xml_string(case["mjcf"])
-    solve_exactly(model, case["step"])
-    data = mujoco.MjData(model)
-    settings = robot.step_settings()
-    settings.tolerance = 1e-13
+    case, robot, model, settings = of_golden("floors", scene)
+    data, theirs = mujoco.MjData(model), modyn.conventions.MuJoCo(robot, model)
     assert len(settings.contacts) == len(robot.touching_shape_names) > 0
-    theirs = modyn.conventions.MuJoCo(robot, model)
     start = case["states"][0]
     q, qd, tau = (np.array(start[name]) for name in ("q", "qd", "tau"))
     data.qpos[:], data.qvel[:] = theirs.to_qpos(q), theirs.to_qvel(q, qd)
@@ -411,14 +416,8 @@ def test_actuators_of_a_urdf(seed):
 def test_motions_under_controls(scene):
     """Motions of 50 steps of random robots over planes with actuators of all kinds, by each integrator. Each step starts from
     the accelerations and the activations of the last one."""
-    case = json.loads((GOLDEN / "actuated.json").read_text())[scene]
-    robot = modyn.loads(case["mjcf"], file="floor.xml", unread_forces="warn", mimic="independent")
-    model = mujoco.MjModel.from_xml_string(case["mjcf"])
-    solve_exactly(model, case["step"])
-    data = mujoco.MjData(model)
-    settings = robot.step_settings()
-    settings.tolerance = 1e-13
-    theirs = modyn.conventions.MuJoCo(robot, model)
+    case, robot, model, settings = of_golden("actuated", scene)
+    data, theirs = mujoco.MjData(model), modyn.conventions.MuJoCo(robot, model)
     start = case["states"][0]
     q, qd, ctrl, act, applied = (np.array(start[name]) for name in ("q", "qd", "ctrl", "act", "applied"))
     data.qpos[:], data.qvel[:], data.act[:] = theirs.to_qpos(q), theirs.to_qvel(q, qd), act
@@ -443,14 +442,8 @@ def test_motions_under_controls(scene):
 @pytest.mark.filterwarnings("ignore:.*in `step`")
 def test_derivatives_under_controls(scene):
     """A and B of the first step of these robots, beside MuJoCo's differences."""
-    case = json.loads((GOLDEN / "actuated.json").read_text())[scene]
-    robot = modyn.loads(case["mjcf"], file="floor.xml", unread_forces="warn", mimic="independent")
-    model = mujoco.MjModel.from_xml_string(case["mjcf"])
-    solve_exactly(model, case["step"])
-    data = mujoco.MjData(model)
-    settings = robot.step_settings()
-    settings.tolerance = 1e-13
-    theirs = modyn.conventions.MuJoCo(robot, model)
+    case, robot, model, settings = of_golden("actuated", scene)
+    data, theirs = mujoco.MjData(model), modyn.conventions.MuJoCo(robot, model)
     n, compared = robot.nv, 0
 
     def to_theirs(q, qd):
