@@ -17,7 +17,7 @@ pub enum Layout {
 pub enum Class {
     /// A type of the package.
     Package(&'static str),
-    /// A type of the robot's own: the type of a bundle's results.
+    /// The type of a bundle's results, which the robot defines.
     Bundle(&'static str),
 }
 

@@ -1222,7 +1222,7 @@ fn home_with(attributes: &str) -> String {
     format!(r#"<key name="home" {attributes}/>"#)
 }
 
-/// The controls of a keyframe are those of the actuators that are read, in their order.
+/// A keyframe has a control for each actuator that is read, in the order of the actuators.
 #[test]
 fn keyframes_have_controls() {
     let text = |other: &str, key: &str| {

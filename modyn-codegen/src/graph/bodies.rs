@@ -21,13 +21,13 @@ pub struct BodyGraphs {
 /// Bodies with the same equations.
 pub struct BodyKind {
     /// The equations. Inputs: the body's entries of the three joint vectors, the run-time
-    /// parameters, the numbers received in each sweep, the constants. Outputs: the body's own
-    /// numbers in each sweep, the numbers sent in each sweep, the body's entries of the result.
+    /// parameters, the numbers received in each sweep, the constants. Outputs: the numbers that the
+    /// body keeps in each sweep, the numbers sent in each sweep, the body's entries of the result.
     pub graph: Graph,
     /// The number of entries of q, and of the other joint vectors and the result.
     pub entries: [usize; 2],
-    /// The number of the body's own numbers in each sweep.
-    pub own: Vec<usize>,
+    /// The number of numbers that the body keeps in each sweep.
+    pub kept: Vec<usize>,
     /// The number of numbers sent in each sweep.
     pub sent: Vec<usize>,
     /// The constants of each body.

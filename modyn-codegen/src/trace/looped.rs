@@ -114,7 +114,7 @@ impl Tracer<'_> {
         let (graph, columns) = without_unused(&graph, before + received, columns.into_inner());
         let row = |body: usize| columns.iter().map(|column| column[body]).collect();
         let table = (0..members.len()).map(row).collect();
-        BodyKind { graph, entries, own: kept, sent, table }
+        BodyKind { graph, entries, kept, sent, table }
     }
 
     /// Returns the mechanism of one body and its parent. `column` returns the expression of a

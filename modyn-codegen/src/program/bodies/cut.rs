@@ -147,7 +147,7 @@ impl Kind {
         let cut = Cut::new(kind, arguments);
         let mut outputs: Vec<Vec<(Number, Id)>> = vec![Vec::new(); sweeps.len()];
         let mut ids = kind.graph.outputs.iter().copied();
-        for (sweep, count) in kind.own.iter().enumerate() {
+        for (sweep, count) in kind.kept.iter().enumerate() {
             for (k, id) in ids.by_ref().take(*count).enumerate() {
                 if needed.contains(&(sweep, k)) {
                     outputs[sweep - 1].push((Number::Exchanged(sweep, k), id));
