@@ -1,4 +1,4 @@
-//! modyn compiles a robot description (URDF, SDF, MJCF) to specialised rigid-body dynamics:
+//! modyn compiles a robot description (URDF, xacro, SDF, MJCF) to specialised rigid-body dynamics:
 //! straight-line, allocation-free, `no_std` Rust for exactly that robot.
 //!
 //! ```

@@ -40,7 +40,7 @@ use pyo3::types::{PyDict, PyList};
 use crate::errors::description_error;
 use crate::robot::{Robot, Source};
 
-/// Reads the robot of a file, URDF, SDF or MJCF.
+/// Reads the robot of a file: URDF, xacro, SDF or MJCF.
 ///
 /// The keyword arguments are modyn's options about a robot: `gravity`, `base`, `mimic`, `rotors`,
 /// `loops`, `contacts`, `ground`, `actuators`, `friction`, `unphysical_inertia`, `unread_forces`,
@@ -82,7 +82,7 @@ fn unreadable(py: Python<'_>, path: &Path, error: std::io::Error) -> PyErr {
     }
 }
 
-/// Reads the robot of a text, URDF, SDF or MJCF; `file` is the name in diagnostics, and `folder`
+/// Reads the robot of a text: URDF, xacro, SDF or MJCF; `file` is the name in diagnostics, and `folder`
 /// the folder of files which the text names: without it, no other file is read. The other keyword
 /// arguments are the same as for `load`.
 #[pyfunction]

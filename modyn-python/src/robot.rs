@@ -29,7 +29,7 @@ use crate::number::Number;
 use crate::options;
 use crate::parameters::ParameterNumbers;
 
-/// A robot: a description (URDF, SDF or MJCF) whose functions are compiled to machine code, each at
+/// A robot: a description (URDF, xacro, SDF or MJCF) whose functions are compiled to machine code, each at
 /// its first use.
 ///
 /// `load` and `loads` make robots. Arguments and results are in SI units and radians, and joint

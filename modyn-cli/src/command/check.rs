@@ -22,7 +22,7 @@ use crate::report;
 /// read.
 #[derive(Args)]
 pub struct Arguments {
-    /// The descriptions (URDF, SDF or MJCF); `-` for standard input
+    /// The descriptions (URDF, xacro, SDF or MJCF); `-` for standard input
     #[arg(value_name = "ROBOT.urdf", required = true)]
     paths: Vec<PathBuf>,
     /// Check all descriptions in folders, and print a table: file, format, verdict, and why it is

@@ -28,7 +28,8 @@ impl Description {
         }
         if !path.exists() {
             let missing = Diagnostic::error(Code::MissingFile, format!("`{name}` does not exist"));
-            let help = "give the path of a URDF, SDF or MJCF from the current folder, or `-` for standard input";
+            let help = "give the path of a URDF, xacro, SDF or MJCF from the current folder, or `-` \
+                for standard input";
             return Err(missing.with_help(help).into());
         }
         let (_, text) = read_first(&name, &[path.to_owned()])?;

@@ -22,7 +22,7 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
-/// Rigid-body dynamics from a robot description (URDF, SDF or MJCF).
+/// Rigid-body dynamics from a robot description (URDF, xacro, SDF or MJCF).
 ///
 /// Exit codes: 0 for success; 1 for a negative result (a description is rejected, a file is stale,
 /// results differ); 2 if the command line or a file is invalid.

@@ -15,7 +15,7 @@ use crate::command::outcome::{Failure, to_stderr};
 /// A description, and the options of reading it.
 #[derive(Args)]
 pub struct Robot {
-    /// The description (URDF, SDF or MJCF); `-` for standard input
+    /// The description (URDF, xacro, SDF or MJCF); `-` for standard input
     #[arg(value_name = "ROBOT.urdf")]
     pub path: PathBuf,
     #[command(flatten)]

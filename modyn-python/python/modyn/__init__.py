@@ -1,4 +1,4 @@
-"""Rigid-body dynamics of a robot description (URDF, SDF, MJCF) as machine code, on NumPy arrays.
+"""Rigid-body dynamics of a robot description (URDF, xacro, SDF, MJCF) as machine code, on NumPy arrays.
 
     import modyn
 

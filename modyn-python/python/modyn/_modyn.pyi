@@ -110,7 +110,7 @@ class Options(TypedDict, total=False):
     """Whether functions are compiled to machine code; without, they are evaluated. By default True."""
 
 def load(path: str | os.PathLike[str], /, **options: Unpack[Options]) -> Robot:
-    """Reads the robot of a file, URDF, SDF or MJCF.
+    """Reads the robot of a file: URDF, xacro, SDF or MJCF.
 
     The keyword arguments are modyn's options about a robot: `gravity`, `base`, `mimic`, `rotors`, `loops`, `contacts`,
     `ground`, `friction`, `unphysical_inertia`, `unread_forces`, `packages`, `xacro_args`, `bundles`, `modules`, `scalar`, `runtime_gravity`, `runtime_inertia` and `payload`;
@@ -122,7 +122,7 @@ def load(path: str | os.PathLike[str], /, **options: Unpack[Options]) -> Robot:
 def loads(
     text: str, /, file: str = "robot", *, folder: str | os.PathLike[str] | None = None, **options: Unpack[Options]
 ) -> Robot:
-    """Reads the robot of a text, URDF, SDF or MJCF; `file` is the name in diagnostics, and `folder` that of files which the
+    """Reads the robot of a text: URDF, xacro, SDF or MJCF; `file` is the name in diagnostics, and `folder` that of files which the
     text names: without it, no other file is read. The other keyword arguments are those of `load`."""
 
 def functions() -> list[str]:
@@ -264,7 +264,7 @@ class CodeHandle:
 
 @final
 class Robot:
-    """A robot: a description (URDF, SDF or MJCF) whose functions are compiled to machine code, each at its first use.
+    """A robot: a description (URDF, xacro, SDF or MJCF) whose functions are compiled to machine code, each at its first use.
 
     `load` and `loads` make robots. Arguments and results are in SI units and radians, and joint vectors have the order of
     `coordinate_names` and `velocity_names`. Each argument has one state, or n states as n rows; the result then has n

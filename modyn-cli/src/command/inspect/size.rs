@@ -5,7 +5,7 @@ use modyn_runtime::OperationCount;
 /// Bytes for each operation with its loads and stores, and for the sine and cosine routines of a
 /// function that uses any.
 ///
-/// The values were fitted to the table in `docs/internals/measurements.md` (x86-64, `f64`, release,
+/// The values were fitted to the table `docs/data/functions.tsv` (x86-64, `f64`, release,
 /// no batches) by least squares of the logarithms. Every row of at least 2 kB is within a factor of
 /// 2.4.
 const AN_OPERATION: f64 = 14.2;
