@@ -14,14 +14,55 @@ pub(super) const ROBOTS: [(&str, &str, &str); 5] = [
     ("g1_ff", "G1 humanoid, floating, 35", "G1, floating"),
 ];
 
-/// The programs: their names in the data and in the chart, and colours that are seen on dark and on
-/// light grounds.
-const PROGRAMS: [(&str, &str, &str); 4] = [
-    ("modyn native", "modyn", "#e8871e"),
-    ("CasADi C", "CasADi", "#3fa37c"),
-    ("Pinocchio C++", "Pinocchio", "#4b91d1"),
-    ("MuJoCo", "MuJoCo", "#a07fd6"),
+/// A program of the chart.
+struct Program {
+    /// The name in the data.
+    measured: &'static str,
+    title: &'static str,
+    /// A colour that is seen on dark and on light grounds.
+    colour: &'static str,
+    /// The outline of its marks, from their centre, px.
+    shape: &'static str,
+}
+
+const PROGRAMS: [Program; 4] = [
+    Program {
+        measured: "modyn native",
+        title: "modyn",
+        colour: "#e8871e",
+        shape: "m-6 0a6 6 0 1 0 12 0a6 6 0 1 0 -12 0z",
+    },
+    Program {
+        measured: "CasADi C",
+        title: "CasADi",
+        colour: "#3fa37c",
+        shape: "m-5.5 -5.5h11v11h-11z",
+    },
+    Program {
+        measured: "Pinocchio C++",
+        title: "Pinocchio",
+        colour: "#4b91d1",
+        shape: "m0 -7l7 12h-14z",
+    },
+    Program {
+        measured: "MuJoCo",
+        title: "MuJoCo",
+        colour: "#a07fd6",
+        shape: "m0 -7.5l7.5 7.5l-7.5 7.5l-7.5 -7.5z",
+    },
 ];
+
+impl Program {
+    /// Returns the mark of a time, full with warm caches, with `title` beside the pointer.
+    fn mark(&self, x: f64, y: f64, is_cold: bool, title: &str) -> String {
+        let Self { colour, shape, .. } = self;
+        let fill = if is_cold { "none" } else { colour };
+        format!(
+            "<path d=\"M{x:.1} {y}{shape}\" fill=\"{fill}\" stroke=\"{colour}\" stroke-width=\"2\">\
+             <title>{title}</title></path>"
+        )
+    }
+}
 
 /// The colour of texts and lines.
 const INK: &str = "#7d8794";
@@ -41,32 +82,22 @@ fn place(nanoseconds: f64) -> f64 {
 pub(super) fn speed() -> String {
     let (warm, cold) = (Data::load("calls"), Data::load("calls-cold"));
     let bottom = TOP + ROW * ROBOTS.len() as f64;
-    let (width, height) = (870.0, bottom + 34.0);
+    let (width, height) = (870.0, bottom + 54.0);
     let mut out = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" width=\"{width}\" height=\"{height}\" \
          font-family=\"Helvetica, Arial, sans-serif\" font-size=\"14\" fill=\"{INK}\" role=\"img\">\n\
-         <title>Time of forward dynamics: dots with warm caches, rings with cold caches</title>\n"
+         <title>Time of forward dynamics: full marks with warm caches, outlined marks with cold caches</title>\n"
     );
     // The legend.
     let mut x = PLACES[0];
-    for (_, name, colour) in PROGRAMS {
-        let _ = writeln!(
-            out,
-            "<circle cx=\"{x}\" cy=\"16\" r=\"6\" fill=\"{colour}\"/><text x=\"{}\" y=\"21\">{name}</text>",
-            x + 12.0
-        );
+    for program in PROGRAMS {
+        let (mark, title) = (program.mark(x, 16.0, false, program.title), program.title);
+        let _ = writeln!(out, "{mark}<text x=\"{}\" y=\"21\">{title}</text>", x + 12.0);
         x += 105.0;
     }
-    let _ = writeln!(
-        out,
-        "<circle cx=\"{x}\" cy=\"16\" r=\"6\"/><text x=\"{}\" y=\"21\">warm</text>\n\
-         <circle cx=\"{}\" cy=\"16\" r=\"5\" fill=\"none\" stroke=\"{INK}\" stroke-width=\"2.5\"/><text x=\"{}\" y=\"21\">cold</text>",
-        x + 12.0,
-        x + 75.0,
-        x + 87.0
-    );
+    let _ = writeln!(out, "<text x=\"{x}\" y=\"21\">full: warm caches; outlined: cold</text>");
     // Lines at round times.
-    let times = [(1e2, "100 ns"), (1e3, "1 us"), (1e4, "10 us"), (1e5, "100 us")];
+    let times = [(1e2, "0.1"), (1e3, "1"), (1e4, "10"), (1e5, "100")];
     for (time, name) in times {
         let x = place(time);
         let _ = writeln!(
@@ -96,23 +127,22 @@ pub(super) fn speed() -> String {
             PLACES[0] - 14.0,
             y + 5.0
         );
-        for (program, name, colour) in PROGRAMS {
+        for program in PROGRAMS {
             for (data, is_cold) in [(&warm, false), (&cold, true)] {
-                let ns = data.find(&["forward dynamics", robot, program], "ns");
+                let ns = data.find(&["forward dynamics", robot, program.measured], "ns");
                 let Some(ns) = ns.and_then(|ns| ns.parse::<f64>().ok()) else { continue };
-                let style = if is_cold {
-                    format!("r=\"5\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"2.5\"")
-                } else {
-                    format!("r=\"6\" fill=\"{colour}\"")
-                };
                 let caches = if is_cold { "cold" } else { "warm" };
-                let _ = writeln!(
-                    out,
-                    "<circle cx=\"{:.1}\" cy=\"{y}\" {style}><title>{title}, {name}, {caches}: {ns} ns</title></circle>",
-                    place(ns)
-                );
+                let shown = format!("{title}, {}, {caches}: {ns} ns", program.title);
+                let _ = writeln!(out, "{}", program.mark(place(ns), y, is_cold, &shown));
             }
         }
     }
+    let _ = writeln!(
+        out,
+        "<text x=\"{}\" y=\"{}\" text-anchor=\"middle\">time of forward dynamics of one state, µs \
+         (one core of an AMD EPYC, Zen 3)</text>",
+        f64::midpoint(PLACES[0], PLACES[1]),
+        bottom + 42.0
+    );
     out + "</svg>\n"
 }
