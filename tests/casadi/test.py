@@ -1,5 +1,6 @@
 """modyn's functions in CasADi, beside CasADi's own derivatives of the textbook's expressions."""
 
+import contextlib
 import ctypes
 import os
 import re
@@ -299,24 +300,44 @@ class Comparison(unittest.TestCase):
         os.symlink(os.path.realpath(ocp.ROBOTS), f"{place}/robots")
         return place, found
 
+    def compiled(self, page, commands):
+        """Runs the commands of the page that write and compile a robot: the command is not on the path, and optimisation takes long."""
+        commands = re.sub("-O[12]", "-O0", commands)
+        run("bash", "-c", f"set -e; cd {page}; modyn() {{ '{MODYN}' \"$@\"; }}; {commands}")
+
+    @contextlib.contextmanager
+    def within(self, folder):
+        """Programs load their library from `./`."""
+        before = os.getcwd()
+        os.chdir(folder)
+        try:
+            yield
+        finally:
+            os.chdir(before)
+
     def test_the_programs_of_the_page(self):
         place, programs = self.programs("python")
         _, commands = self.programs("console")
-        # The command is not on the path, and optimisation takes long.
-        commands = commands[0].replace("-O2", "-O0")
-        run("bash", "-c", f"set -e; cd {place}; modyn() {{ '{MODYN}' \"$@\"; }}; {commands}")
-        # The program loads `./arm7.so`.
-        session, before = {}, os.getcwd()
-        os.chdir(place)
-        try:
+        self.compiled(place, commands[0])
+        session = {}
+        with self.within(place):
             exec(programs[0], session)
-        finally:
-            os.chdir(before)
         self.assertEqual(session["jacobian"].shape, (7, 7))
         self.assertEqual([session[name].shape for name in ("rotation", "position")], [(3, 3), (3, 1)])
         if "ACADOS_SOURCE_DIR" in os.environ:
             exec(programs[1], session)
             self.assertEqual(session["ocp"].model.f_expl_expr.shape, (14, 1))
+
+    def test_the_legged_robot_of_the_page(self):
+        place, programs = self.programs("python")
+        _, commands = self.programs("console")
+        self.compiled(place, commands[2])
+        session = {}
+        with self.within(place):
+            exec(programs[2], session)
+        # The forces of the last step carry the weight, and all of them the change of the momentum.
+        pushes = session["solution"].value(session["F"])[2::3].sum(axis=0)
+        self.assertTrue(np.all(pushes > 20) and pushes[0] > pushes[-1] + 5, pushes)
 
     @unittest.skipUnless(shutil.which("octave-cli"), "Octave is not installed")
     def test_the_programs_for_matlab(self):
