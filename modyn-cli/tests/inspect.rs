@@ -260,17 +260,15 @@ fn a_robot_too_large_for_code_is_inspected_all_the_same() {
     assert_eq!(modyn(&["generate", &path]).code, 1);
 }
 
-/// The estimate has the order of magnitude of the measured size in `docs/internals/measurements.md`; batches have no estimate.
+/// The estimate has the order of magnitude of the measured size in `docs/data/functions.tsv`; batches have no estimate.
 #[test]
 fn code_is_estimated_within_a_factor_of_two_and_a_half() {
-    let table =
-        std::fs::read_to_string(root().join("docs/internals/measurements.md")).expect("a page");
+    let table = std::fs::read_to_string(root().join("docs/data/functions.tsv")).expect("a table");
     let mut measured: BTreeMap<String, Vec<(String, f64)>> = BTreeMap::new();
-    let (_, table) = table.split_once("| robot | function |").expect("the table of costs");
-    let (table, _) = table.split_once("<!-- end -->").expect("its end");
-    for row in table.lines().filter(|line| line.starts_with("| ") && line.contains('`')) {
-        let cells: Vec<&str> = row.split('|').map(str::trim).collect();
-        let [_, robot, function, _, _, _, _, kilobytes, _] = cells[..] else { continue };
+    for row in table.lines().filter(|line| !line.starts_with('#')).skip(1) {
+        let [robot, function, _, _, _, kilobytes] = row.split('\t').collect::<Vec<_>>()[..] else {
+            panic!("{row}")
+        };
         let bytes = 1000.0 * kilobytes.parse::<f64>().expect("a number");
         if bytes >= 2000.0 && !function.ends_with("_batch`") {
             let row = (function.trim_matches('`').to_string(), bytes);

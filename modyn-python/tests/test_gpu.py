@@ -47,13 +47,12 @@ def test_the_page(monkeypatch):
     """The program of docs/gpu.md."""
     monkeypatch.chdir(ROOT)
     (program,) = blocks("docs/gpu.md")
-    robot = modyn.load("robots/arm7.urdf", friction="none")
-    (q, qd, _, tau), torques = states(robot, 5), np.ones((5, 3, 7))
-    session = {"Q": q, "QD": qd, "TAU": tau, "torques": torques}
+    session = {}
     exec(compile(program, "gpu.md", "exec"), session)
+    robot, q, qd, tau, torques = (session[name] for name in ("robot", "Q", "QD", "TAU", "torques"))
     close(session["qdd"].numpy(), robot.forward_dynamics(q, qd, tau), 1e-3)
     expected = robot.rollout(q[0], qd[0], torques, 0.01, trajectory=False)
-    close(session["results"].state.numpy(), np.hstack([expected.q, expected.qd]), 1e-4)
+    close(session["results"].state.numpy(), np.hstack([expected.q, expected.qd]), 1e-3)
 
 
 @needs_gpu

@@ -1,6 +1,6 @@
 """Compiles CUDA text of some robots with NVIDIA's compilers, without a graphics processor, and counts registers.
 
-    compile.py FILE              writes the table of docs/internals/measurements.md
+    compile.py FILE              writes the table docs/data/cuda.tsv
     compile.py --check FILE      writes nothing: fails where counts differ from the file's
 
 NVRTC makes PTX of the text, and ptxas makes machine code of that. Both come from PyPI. With `--check` NVRTC also compiles

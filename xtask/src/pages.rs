@@ -43,11 +43,12 @@ const MARKED: [&str; 8] = [
 
 /// The marks of texts that are made of the compiler's tables. The others show a file of
 /// `docs/data`.
-const MARKS: [(&str, Make); 20] = [
+const MARKS: [(&str, Make); 21] = [
     ("calls-of-tests", rust::calls_of_tests),
     ("default-functions", rust::default_functions),
     ("default-functions-of-constraints", rust::default_functions_of_constraints),
     ("error-list", errors::list),
+    ("function-sentences", functions::sentences),
     ("function-table", functions::table),
     ("function-variants", rust::variants),
     ("functions-of-constraints-for-many-states", rust::functions_of_constraints_for_many_states),
@@ -115,12 +116,18 @@ pub fn run(check: bool) -> Vec<String> {
     let pages = ["docs", "docs/internals"].into_iter().flat_map(|folder| files(folder, ".md"));
     for path in MARKED.into_iter().map(String::from).chain(pages) {
         let found = read(&path);
+        // A page shows a file of data, or links to it.
+        let links = found.split("data/").filter_map(|rest| rest.split_once(".tsv)"));
+        shown.extend(links.map(|(name, _)| name.to_owned()));
         faults.extend(compare(&path, &found, &filled(&path, &found, &mut shown)));
     }
     let of_data = files("docs/data", ".tsv");
     let names = of_data.iter().map(|path| &path["docs/data/".len()..path.len() - ".tsv".len()]);
     let forgotten = names.chain(MARKS.map(|(name, _)| name)).filter(|name| !shown.contains(*name));
-    faults.extend(forgotten.map(|name| format!("no page has the mark `{BEGIN}{name} -->`")));
+    faults.extend(
+        forgotten
+            .map(|name| format!("no page links to `{name}` or has the mark `{BEGIN}{name} -->`")),
+    );
     faults
 }
 

@@ -1262,24 +1262,6 @@ fn operation_counts_are_as_frozen() {
     ];
     assert_eq!(found, frozen);
 
-    // The page has the same counts.
-    let page = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/contacts.md");
-    let page = std::fs::read_to_string(page).expect("the page");
-    let shown = |count: usize| match count {
-        0..1000 => format!(" {count} "),
-        _ => format!(" {},{:03} ", count / 1000, count % 1000),
-    };
-    for (name, count) in found.iter().filter(|(name, _)| !name.ends_with(" in lanes")) {
-        let in_lanes = found.iter().find(|(other, _)| *other == format!("{name} in lanes"));
-        let in_lanes = in_lanes.map_or(String::from(" "), |(_, count)| shown(*count));
-        let (function, of) = name.split_once(' ').unwrap_or((name, ""));
-        let row = match of {
-            "" => format!("| `{function}` |{}|{in_lanes}|\n", shown(*count)),
-            of => format!("| `{function}` {of} |{}|{in_lanes}|\n", shown(*count)),
-        };
-        assert!(page.contains(&row), "docs/contacts.md lacks the row {row:?}");
-    }
-
     // The products of a map are loops.
     let arguments = Function::ConstrainedForwardDynamicsDerivatives.row().arguments.iter();
     let sizes = Sizes::new(&model, layout.size());
@@ -1294,9 +1276,4 @@ fn operation_counts_are_as_frozen() {
             [program.static_operations(), program.operations_per_call()].map(|count| count.total())
         });
     assert_eq!(counts, [[28716, 67576], [19093, 29441]]);
-    let [scalars, in_lanes] = counts.map(|count| count.map(|n| shown(n).trim().to_string()));
-    for (i, sentence) in ["in their text", "operations a call"].into_iter().enumerate() {
-        let sentence = format!("{} ({} in lanes) {sentence}", scalars[i], in_lanes[i]);
-        assert!(page.contains(&sentence), "docs/contacts.md lacks {sentence:?}");
-    }
 }

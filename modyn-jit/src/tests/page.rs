@@ -21,7 +21,6 @@ use modyn_runtime::equations::dynamics::Elimination;
 use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::model::ModuleTree;
 
-use super::encoding_aarch64::decode;
 use crate::code_size::CodeSize;
 use crate::generate::{Generated, generate};
 use crate::helper::Linkage;
@@ -202,14 +201,6 @@ impl Code {
         format!("{} = {text}", self.name(value))
     }
 
-    /// Returns the values that the steps compute, one in each line.
-    fn steps(&self) -> String {
-        let lines = self.values.steps.iter().map(|step| self.step(step) + "\n");
-        let results: Vec<String> =
-            self.values.results.iter().map(|&result| self.name(result)).collect();
-        lines.collect::<String>() + &format!("results: {}\n", results.join(", "))
-    }
-
     /// Returns the instructions of a step, or those before or after all steps.
     fn of_step(&self, step: Option<usize>) -> &[(Instruction, Vec<u8>)] {
         let at = |offset: usize| {
@@ -269,33 +260,12 @@ impl Code {
         computed.collect()
     }
 
-    /// Returns the instructions of aarch64 with their words, the instructions of each step after
-    /// its text; and their counts.
-    fn of_aarch64(&self, arrays: usize) -> (String, CodeSize) {
+    /// Returns the counts of the instructions of aarch64.
+    fn size_of_aarch64(&self, arrays: usize) -> CodeSize {
         // Both instruction sets fuse products, and the example has no vectors: so its values are
         // the same.
-        let generated = generate(
-            &self.values,
-            InstructionSet::Neon,
-            size_of::<f64>(),
-            arrays,
-            &Linkage::Relative,
-            None,
-        );
-        let steps = self.values.steps.iter().map(|step| self.step(step));
-        let headings = ["entry".to_owned()].into_iter().chain(steps).chain(["return".to_owned()]);
-        let ends = generated.steps.iter().copied().chain([generated.end]);
-        let mut text = String::new();
-        let mut at = 0;
-        for (heading, end) in headings.zip(ends) {
-            let _ = writeln!(text, "{heading}");
-            for bytes in generated.code[at..end].as_chunks().0 {
-                let word = u32::from_le_bytes(*bytes);
-                let _ = writeln!(text, "    {:38} {word:08x}", decode(word).to_string());
-            }
-            at = end;
-        }
-        (text, generated.size)
+        let linkage = &Linkage::Relative;
+        generate(&self.values, InstructionSet::Neon, size_of::<f64>(), arrays, linkage, None).size
     }
 
     /// Returns the instructions with their bytes, the instructions of each step after its text.
@@ -364,15 +334,13 @@ fn the_page_shows_what_the_compiler_does() {
     assert_eq!(format!("{:?}", again.statements), format!("{:?}", program.statements));
     let code = Code::new(&program, &arrays);
     assert_eq!(code.generated.size.spills, 0, "the text says that the example needs no spill");
-    let (of_aarch64, size_of_aarch64) = code.of_aarch64(arrays.len());
+    let size_of_aarch64 = code.size_of_aarch64(arrays.len());
     check("internals/machine-code.md", |page| {
         let listings = [
             ("description", CART_POLE.to_owned() + "\n"),
             ("program", statements(&program)),
-            ("values", code.steps()),
             ("instructions", code.listing()),
             ("size", counts(&code.generated.size)),
-            ("aarch64", of_aarch64.clone()),
             ("aarch64-size", counts(&size_of_aarch64)),
         ];
         listings.iter().fold(page.to_owned(), |page, (name, text)| with_listing(&page, name, text))

@@ -1,42 +1,82 @@
-//! The table of functions in `docs/functions.md`.
+//! The table of functions in `docs/functions.md`, and a sentence or more about each.
+
+use std::fmt::Write as _;
 
 use modyn_codegen::Function;
 use modyn_codegen::plan::{CForm, Lowering};
 
 use super::data::markdown;
+use super::python;
+
+/// Returns the functions of one state, without the forms in a link's own axes (`.._local`).
+fn of_one_state() -> impl Iterator<Item = Function> {
+    let all = Function::ALL.iter().copied().filter(|function| function.batched().is_none());
+    all.filter(|function| {
+        let name = function.name().strip_suffix("_local");
+        name.is_none_or(|name| Function::from_name(name).is_none())
+    })
+}
+
+/// Returns the name of the same function in a link's own axes, if there is one.
+fn local(function: Function) -> Option<&'static str> {
+    Function::from_name(&format!("{}_local", function.name())).map(|local| local.name())
+}
 
 /// Returns the table.
 pub(super) fn table() -> String {
-    let titles = "function | known as | arguments | result | default | needs inertia | `_with` parameters | batch | C";
-    let of_one_state = Function::ALL.iter().filter(|function| function.batched().is_none());
-    let rows = of_one_state.map(|function| {
+    let rows = of_one_state().map(|function| {
         let row = function.row();
-        let arguments: Vec<String> =
+        let name = function.name();
+        let mut arguments: Vec<String> =
             row.arguments.iter().map(|a| format!("`{}`", a.name)).collect();
-        let of = |yes: bool| if yes { "yes" } else { "" };
-        let default = match (row.default, row.of_constraints) {
-            (true, true) => "with constraints",
-            (default, _) => of(default),
-        };
-        let batch = Function::ALL.iter().any(|other| other.batched() == Some(*function));
-        let c = match Lowering::of(*function).c_form {
-            CForm::SourceAndExport => "yes",
-            CForm::Source => "C99 alone",
-            CForm::None => "",
-        };
+        if row.by_link {
+            arguments.push("link".into());
+        }
+        let local = local(function).map_or(String::new(), |local| format!(", `{local}`"));
         [
-            format!("`{}`", function.name()),
+            format!("[`{name}`](#{name}){local}"),
             row.known_as.iter().map(|name| known(name)).collect::<Vec<String>>().join(", "),
             arguments.join(", "),
-            row.docs.into(),
-            default.into(),
-            of(row.needs_inertia).into(),
-            of(row.depends_on_parameters).into(),
-            of(batch).into(),
-            c.into(),
+            python::shape_of_result(&row),
+            forms(function).join(", "),
         ]
     });
-    markdown(titles, rows)
+    markdown("function | known as | arguments | result | forms", rows)
+}
+
+/// Returns the forms of a function, and the conditions for it.
+fn forms(function: Function) -> Vec<&'static str> {
+    let row = function.row();
+    let default = match (row.default, row.of_constraints) {
+        (true, true) => Some("default with constraints"),
+        (true, false) => Some("default"),
+        _ => None,
+    };
+    let has_batch = Function::ALL.iter().any(|other| other.batched() == Some(function));
+    let c = match Lowering::of(function).c_form {
+        CForm::SourceAndExport => None,
+        CForm::Source => Some("C only as C99"),
+        CForm::None => Some("not in C"),
+    };
+    let forms = [
+        default,
+        has_batch.then_some("batch"),
+        row.depends_on_parameters.then_some("`_with`"),
+        (!row.needs_inertia).then_some("no inertia"),
+        c,
+    ];
+    forms.into_iter().flatten().collect()
+}
+
+/// Returns a heading for each function, with its documentation.
+pub(super) fn sentences() -> String {
+    let mut text = String::new();
+    for function in of_one_state() {
+        let own_axes = |local| format!(" `{local}`: in the link's own axes.");
+        let local = local(function).map_or(String::new(), own_axes);
+        let _ = writeln!(text, "### `{}`\n\n{}{local}\n", function.name(), function.row().docs);
+    }
+    text
 }
 
 /// Returns a name of other libraries or of textbooks: names of code in code.

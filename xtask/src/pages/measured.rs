@@ -53,20 +53,14 @@ fn by_program(data: &Data) -> String {
     table(&titles.join(" | "), rows) + &data.source()
 }
 
-/// The README's table.
+/// The README's table: microseconds of modyn and of the fastest other program.
 fn speed_in_short() -> String {
     let (warm, cold) = (Data::load("calls"), Data::load("calls-cold"));
     let cell = |data: &Data, quantity: &str, robot: &str| {
         let ns = |program| data.find(&[quantity, robot, program], "ns")?.parse::<f64>().ok();
-        let own = ns(OWN)?;
-        let others = [("CasADi C", "CasADi"), ("Pinocchio C++", "Pinocchio")];
-        let others = others
-            .into_iter()
-            .filter_map(|(program, name)| Some(format!("{name} {}x", ratio(ns(program)? / own))));
-        let others = others.collect::<Vec<_>>().join(", ");
-        let mut all = vec![format!("{own:.0}")];
-        all.extend(late(data, &[quantity, robot, OWN]).into_iter().map(String::from));
-        Some(format!("{} ns ({others})", all.join(", ")))
+        let others = ["CasADi C", "Pinocchio C++"].into_iter().filter_map(ns);
+        let fastest = others.reduce(f64::min)?;
+        Some([ns(OWN)?, fastest].map(microseconds).join(" / "))
     };
     let rows = ROBOTS.map(|(robot, title, _)| {
         let cell = |data, quantity| cell(data, quantity, robot).unwrap_or("not measured".into());
@@ -80,6 +74,18 @@ fn speed_in_short() -> String {
         ]
     });
     table("robot | forward dynamics, warm | cold | its derivatives, warm | cold", rows)
+}
+
+/// Returns a number of nanoseconds as microseconds, to two digits below ten.
+fn microseconds(ns: f64) -> String {
+    let us = ns / 1000.0;
+    if us < 1.0 {
+        format!("{us:.2}")
+    } else if us < 9.95 {
+        format!("{us:.1}")
+    } else {
+        format!("{us:.0}")
+    }
 }
 
 /// The least and the largest of numbers, as text.
@@ -166,27 +172,22 @@ fn gpu_in_short() -> String {
 
 /// The rows of the firmware's table that its page shows.
 fn firmware_in_short() -> String {
-    let names: Vec<&str> = "leg::forward_dynamics arm7::brge_solve arm7::mass_matrix arm7::forward_dynamics \
-        arm7::inverse_dynamics arm7_c::forward_dynamics legs::forward_dynamics legs_shared::forward_dynamics"
-        .split(' ')
-        .collect();
+    let names: Vec<&str> =
+        "arm7::forward_dynamics arm7::inverse_dynamics arm7_c::forward_dynamics \
+        legs::forward_dynamics legs_shared::forward_dynamics"
+            .split(' ')
+            .collect();
     let data = Data::load("firmware");
     let shown = |row: &&Vec<String>| {
-        let function = row[3].trim_matches('`');
-        names.contains(&function) && (row[2] == "3" || function == "arm7::forward_dynamics")
+        let is_of_core =
+            [["M4F", "f32"], ["M7", "f64"], ["RV32", "f32"]].iter().any(|of| row[..2] == *of);
+        is_of_core && row[2] == "3" && names.contains(&row[3].trim_matches('`'))
     };
     let mut rows: Vec<&[String]> = data.rows.iter().filter(shown).map(Vec::as_slice).collect();
     let place = |row: &[String]| names.iter().position(|name| row[3].trim_matches('`') == *name);
     let core = |row: &[String]| data.rows.iter().position(|one| one[..3] == row[..3]);
     rows.sort_by_key(|row| (core(row), place(row)));
     table(&data.titles.join(" | "), rows) + &data.source()
-}
-
-/// The rows of the table of machine code that its page shows: forward dynamics and its derivatives.
-fn machine_code_in_short() -> String {
-    let data = Data::load("machine-code");
-    let shown = data.rows.iter().filter(|row| row[1].starts_with("`forward_dynamics"));
-    table(&data.titles.join(" | "), shown) + &data.source()
 }
 
 /// Counts of the real robots, as part of a sentence.
@@ -282,7 +283,6 @@ pub(super) fn text_of(name: &str) -> Option<String> {
         "collected" => refused_models(),
         "gpu-in-short" => gpu_in_short(),
         "firmware" => firmware_in_short(),
-        "machine-code" => machine_code_in_short(),
         "f64-by-software" => range(firmware("instructions", "f64 by software")),
         "shared-flash" => range(per_cent("flash, with callees", "shared limbs")),
         "shared-instructions" => range(per_cent("instructions", "shared limbs").map(|x| x - 100.0)),

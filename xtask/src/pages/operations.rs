@@ -90,11 +90,10 @@ fn cell(data: &Data, robot: &Robot, function: &str, lanes: bool) -> String {
     if lanes && !in_lanes.is_empty() { format!("{count} ({in_lanes})") } else { count.into() }
 }
 
-/// Robots by functions, whose titles are their names or, with `in_words`, words.
-fn operations(functions: &str, in_words: bool, lanes: bool) -> String {
+/// Robots by functions.
+fn operations(functions: &str, lanes: bool) -> String {
     let data = Data::load("operations");
     let title = |function: &str| match function.strip_suffix("_derivatives") {
-        _ if !in_words => format!("`{function}`"),
         _ if function == "brge" => "U D U^T".into(),
         Some(of) => format!("derivatives of {}", of.replace('_', " ")),
         None => function.replace('_', " "),
@@ -127,66 +126,22 @@ fn beside_casadi() -> String {
     table(&format!("robot{titles}"), rows)
 }
 
-/// The derivatives in closed form beside those by tangents.
-fn beside_tangents() -> String {
-    let (own, tangents) = (Data::load("operations"), Data::load("tangents"));
-    let titles = "robot | derivatives of inverse dynamics, closed form | by tangents \
-        | derivatives of forward dynamics, closed form | by tangents of the inverse dynamics";
-    let rows = ROBOTS.iter().map(|robot| {
-        let own = |function| cell(&own, robot, function, false);
-        let by_tangents = |title| tangents.cell(&[robot.measured], title).into();
-        [
-            robot.title(),
-            own("inverse_dynamics_derivatives"),
-            by_tangents("derivatives of inverse dynamics"),
-            own("forward_dynamics_derivatives"),
-            by_tangents("derivatives of forward dynamics"),
-        ]
-    });
-    table(titles, rows)
-}
-
-/// The time of each function's compilation, with its operations.
-fn functions() -> String {
-    let (mut times, own) = (Data::load("functions"), Data::load("operations"));
-    times.titles.insert(2, "operations".into());
-    for row in &mut times.rows {
-        let function = row[1].trim_matches('`');
-        row.insert(2, own.cell(&[&row[0], "fixed", function], "operations").into());
-    }
-    times.shown()
-}
-
 /// Returns the text of the mark `name`, if it is a table of operations.
 pub(super) fn text_of(name: &str) -> Option<String> {
-    let (functions, in_words, lanes) = match name {
-        "functions" => return Some(self::functions()),
+    let (functions, lanes) = match name {
         "casadi" => return Some(beside_casadi()),
-        "tangents" => return Some(beside_tangents()),
         "operations" => (
             "forward_dynamics inverse_dynamics mass_matrix brge forward_dynamics_derivatives",
-            true,
             false,
         ),
         "operations-in-lanes" => (
-            "forward_dynamics inverse_dynamics mass_matrix inverse_dynamics_derivatives forward_dynamics_derivatives",
-            true,
-            true,
-        ),
-        "adjoints" => (
-            "inverse_dynamics inverse_dynamics_vjp inverse_dynamics_jvp forward_dynamics \
-             forward_dynamics_vjp forward_dynamics_jvp",
-            false,
+            "forward_dynamics inverse_dynamics mass_matrix inverse_dynamics_derivatives \
+             forward_dynamics_derivatives",
             true,
         ),
-        "hessians" => ("inverse_dynamics_hessian forward_dynamics_hessian", false, true),
-        "step-hessians" => ("forward_dynamics_hessian step_semi_implicit_hessian", false, true),
-        "steps" => {
-            ("step_rk4 step_implicit_midpoint step_implicit_midpoint_derivatives", false, true)
-        }
         _ => return None,
     };
-    Some(operations(functions, in_words, lanes))
+    Some(operations(functions, lanes))
 }
 
 /// The gradient of forward dynamics takes at most 2.65 times the operations of forward dynamics,

@@ -7,24 +7,17 @@ use super::data::markdown;
 
 /// Returns the first columns of the table of some options.
 fn table(rows: impl Iterator<Item = &'static OptionRow>, columns: usize) -> String {
-    let titles = ["option", "values", "default", "meaning", "example", "command line"];
+    let titles = ["option", "values", "default", "meaning", "example"];
     // A bar in a table's cell has a backslash.
     let escaped = |text: &str| text.replace('|', "\\|");
     let rows = rows.map(|row| {
         let form = if row.form == "links" { "[\"link\", ...]" } else { row.form };
-        let long = row.name.replace('_', "-");
-        let given = match (row.is_flag(), row.is_list()) {
-            (true, _) => format!("`--{long}`"),
-            (_, true) => format!("`--{long} ITEM`, several times"),
-            _ => format!("`--{long} VALUE`"),
-        };
         let mut cells = vec![
             format!("`{}`", row.name),
             format!("`{}`", escaped(form)),
             row.default.into(),
             row.docs.trim().into(),
             format!("`{}`", escaped(row.example)),
-            given,
         ];
         cells.truncate(columns);
         cells
@@ -34,7 +27,7 @@ fn table(rows: impl Iterator<Item = &'static OptionRow>, columns: usize) -> Stri
 
 /// Returns the page's table.
 pub(super) fn whole() -> String {
-    table(OPTIONS.iter(), 6)
+    table(OPTIONS.iter(), 5)
 }
 
 /// Returns the names of the options that only files have.

@@ -168,13 +168,7 @@ fn documentation(row: &Row) -> Vec<String> {
     }
     let result = match result(row) {
         Layout::Array(axes) => tuple(&axes),
-        Layout::Tuple(name, fields) => {
-            let field = |(field, layout): &(&str, Layout)| match layout {
-                Layout::Array(axes) => format!("`{field}` {}", tuple(axes)),
-                Layout::Tuple(..) => format!("`{field}`"),
-            };
-            format!("`{name}`: {}", fields.iter().map(field).collect::<Vec<_>>().join(", "))
-        }
+        Layout::Tuple(name, fields) => format!("`{name}`: {}", fields_with_shapes(&fields)),
     };
     let result = result + components(&(row.result)(&SIZES));
     lines.extend(wrap(&format!("Arguments: {}.", arguments.join("; ")), 92));
@@ -183,6 +177,24 @@ fn documentation(row: &Row) -> Vec<String> {
         92,
     ));
     lines
+}
+
+/// Returns the fields of a result, each with the lengths of its axes.
+fn fields_with_shapes(fields: &Fields) -> String {
+    let field = |(field, layout): &(&str, Layout)| match layout {
+        Layout::Array(axes) => format!("`{field}` {}", tuple(axes)),
+        Layout::Tuple(..) => format!("`{field}`"),
+    };
+    fields.iter().map(field).collect::<Vec<_>>().join(", ")
+}
+
+/// Returns the shape of a function's result, or the shapes of its fields.
+pub(super) fn shape_of_result(row: &Row) -> String {
+    match result(row) {
+        _ if row.function == Function::Brge => "factors".into(),
+        Layout::Array(axes) => tuple(&axes),
+        Layout::Tuple(_, fields) => fields_with_shapes(&fields),
+    }
 }
 
 /// Returns a text in lines of at most this length.
