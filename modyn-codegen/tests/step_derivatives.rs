@@ -69,15 +69,23 @@ fn compare(builder: &Builder, function: Function) -> Comparison {
         let sizes = &planning.plan.sizes;
         let mut vector =
             |count: usize, size: f64| -> Vec<f64> { (0..count).map(|_| size * next()).collect() };
-        let drive = match function {
-            Function::StepDerivatives => vec![vector(sizes.nv, 2.0), vec![0.004]],
-            _ => {
-                let act = vector(sizes.activations, 0.3);
-                vec![vector(sizes.controls, 1.5), vec![0.004], act, vector(sizes.nv, 2.0)]
-            }
-        };
-        let rest = [vec![0.0; sizes.nv], settings.all_numbers()];
-        let given = [&[q, velocities][..], &drive, &rest].concat();
+        let given: Vec<Vec<f64>> = function
+            .row()
+            .arguments
+            .iter()
+            .map(|argument| {
+                let length = argument.shape(sizes).len();
+                match argument.name {
+                    "q" => q.clone(),
+                    "qd" => velocities.clone(),
+                    "dt" => vec![0.004],
+                    "warm_start" => vec![0.0; length],
+                    "step_settings" => settings.all_numbers(),
+                    "act" => vector(length, 0.3),
+                    _ => vector(length, 2.0),
+                }
+            })
+            .collect();
         let shape = (function.row().result)(sizes);
         let mut expected = vec![0.0; shape.len()];
         let slices: Vec<&[f64]> = given.iter().map(Vec::as_slice).collect();
@@ -96,7 +104,7 @@ fn compare(builder: &Builder, function: Function) -> Comparison {
                 }
                 match *name {
                     "forces" => acting += expected[range].iter().filter(|x| **x != 0.0).count(),
-                    "a" => largest = largest.max(scale),
+                    "a" | "dx" => largest = largest.max(scale),
                     _ => {}
                 }
             }
@@ -106,19 +114,25 @@ fn compare(builder: &Builder, function: Function) -> Comparison {
     Comparison { acting, largest, has_lanes: simd.is_some() }
 }
 
-fn of_scene(text: &str) -> Comparison {
-    compare(&Builder::new().mjcf_text(text, "scene.xml"), Function::StepDerivatives)
+/// The functions with derivatives of a step.
+const DERIVATIVES: [Function; 3] =
+    [Function::StepDerivatives, Function::StepVjp, Function::StepJvp];
+
+/// Compares each function with derivatives of a step.
+fn of_scene(text: &str) -> [Comparison; 3] {
+    DERIVATIVES.map(|function| compare(&Builder::new().mjcf_text(text, "scene.xml"), function))
 }
 
 #[test]
 fn derivatives_of_steps_are_the_derivatives_of_newtons_method() {
     let cones = ["cone='elliptic' impratio='3'", "cone='pyramidal' integrator='implicitfast'"];
     for options in cones {
-        let Comparison { acting, largest, .. } = of_scene(&scene(options, "<freejoint/>", ""));
-        assert!(acting > 12 && largest > 10.0, "{options}: {acting} {largest}");
+        for Comparison { acting, largest, .. } in of_scene(&scene(options, "<freejoint/>", "")) {
+            assert!(acting > 12 && largest > 10.0, "{options}: {acting} {largest}");
+        }
     }
     let fixed = of_scene(&scene(cones[0], "<joint type='slide' axis='0 0 1'/>", ""));
-    assert!(fixed.acting > 5, "{}", fixed.acting);
+    assert!(fixed.iter().all(|function| function.acting > 5), "{}", fixed[0].acting);
 }
 
 #[test]
@@ -132,15 +146,18 @@ fn derivatives_of_steps_have_lanes() {
     let points: Vec<String> =
         feet.iter().map(|link| format!("{link:?}: point({link:?})")).collect();
     let builder = option(builder, "contacts", &format!("[{}]", points.join(", ")));
-    let Comparison { acting, has_lanes, .. } = compare(&builder, Function::StepDerivatives);
-    assert!(acting > 10 && has_lanes, "{acting} {has_lanes}");
+    for function in DERIVATIVES {
+        let Comparison { acting, has_lanes, .. } = compare(&builder, function);
+        assert!(acting > 10 && has_lanes, "{acting} {has_lanes}");
+    }
 }
 
 #[test]
 fn robots_without_the_closed_form_have_derivatives_of_steps() {
     let loops = "<equality><connect body1='shank' body2='slide' anchor='0 0 -0.1'/></equality>";
-    let Comparison { acting, .. } = of_scene(&scene("cone='elliptic'", "<freejoint/>", loops));
-    assert!(acting > 5, "{acting}");
+    for Comparison { acting, .. } in of_scene(&scene("cone='elliptic'", "<freejoint/>", loops)) {
+        assert!(acting > 5, "{acting}");
+    }
 }
 
 #[test]
@@ -153,8 +170,13 @@ fn derivatives_of_steps_under_controls_have_activations() {
         let options = format!("cone='elliptic' integrator='{integrator}'");
         let text = scene(&options, "<freejoint/>", actuators);
         let builder = Builder::new().mjcf_text(text, "scene.xml");
-        let Comparison { acting, largest, .. } =
-            compare(&builder, Function::StepActuatedDerivatives);
-        assert!(acting > 12 && largest > 10.0, "{integrator}: {acting} {largest}");
+        for function in [
+            Function::StepActuatedDerivatives,
+            Function::StepActuatedVjp,
+            Function::StepActuatedJvp,
+        ] {
+            let Comparison { acting, largest, .. } = compare(&builder, function);
+            assert!(acting > 12 && largest > 10.0, "{integrator}: {acting} {largest}");
+        }
     }
 }

@@ -755,6 +755,60 @@ impl Robot {
         self.call(py, 37, &[Some(q), Some(qd), Some(tau), Some(dt), warm_start, settings], None, out)
     }
 
+    /// Returns the results of `step`, and the gradients of `costate`^T state after it with respect
+    /// to the state before, `dx`, and to `tau`. A state has the entries of q (in tangent space),
+    /// then the entries of qd. At kinks they are as in `step_derivatives`.
+    ///
+    /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number; `costate`: (2 nv,);
+    /// `warm_start`: (nv,), by default zeros; `settings`: `StepSettings`, by default the result of
+    /// `step_settings()`.
+    /// Result: `StepVjp`: `q` (nq,), `qd` (nv,), `qdd` (nv,), `forces` (touching points, 3), `dx`
+    /// (2 nv,), `dtau` (nv,), `residual` a number, `iterations` a number. Several states have one
+    /// more axis, the first.
+    #[pyo3(signature = (q, qd, tau, dt, costate, warm_start=None, settings=None, *, out=None))]
+    fn step_vjp<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        qd: &Bound<'py, PyAny>,
+        tau: &Bound<'py, PyAny>,
+        dt: &Bound<'py, PyAny>,
+        costate: &Bound<'py, PyAny>,
+        warm_start: Argument<'_, 'py>,
+        settings: Argument<'_, 'py>,
+        out: Argument<'_, 'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        self.call(py, 38, &[Some(q), Some(qd), Some(tau), Some(dt), Some(costate), warm_start, settings], None, out)
+    }
+
+    /// Returns the results of `step`, and the change `dx` of the state after it under the changes
+    /// `dq` (in tangent space), `dqd` and `dtau`. A state has the entries of q (in tangent space),
+    /// then the entries of qd. At kinks it is as in `step_derivatives`.
+    ///
+    /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dq`: (nv,); `dqd`: (nv,); `dtau`: (nv,);
+    /// `dt`: a number; `warm_start`: (nv,), by default zeros; `settings`: `StepSettings`, by
+    /// default the result of `step_settings()`.
+    /// Result: `StepJvp`: `q` (nq,), `qd` (nv,), `qdd` (nv,), `forces` (touching points, 3), `dx`
+    /// (2 nv,), `residual` a number, `iterations` a number. Several states have one more axis, the
+    /// first.
+    #[pyo3(signature = (q, qd, tau, dq, dqd, dtau, dt, warm_start=None, settings=None, *, out=None))]
+    fn step_jvp<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        qd: &Bound<'py, PyAny>,
+        tau: &Bound<'py, PyAny>,
+        dq: &Bound<'py, PyAny>,
+        dqd: &Bound<'py, PyAny>,
+        dtau: &Bound<'py, PyAny>,
+        dt: &Bound<'py, PyAny>,
+        warm_start: Argument<'_, 'py>,
+        settings: Argument<'_, 'py>,
+        out: Argument<'_, 'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        self.call(py, 39, &[Some(q), Some(qd), Some(tau), Some(dq), Some(dqd), Some(dtau), Some(dt), warm_start, settings], None, out)
+    }
+
     /// Returns the joint forces `tau` of the actuators under the controls `ctrl`, in the order of
     /// `control_names`, and the activations after the time `dt` (s), in the order of
     /// `activation_names`. The laws are MuJoCo's: controls, forces, activations and joint forces
@@ -775,7 +829,7 @@ impl Robot {
         act: Argument<'_, 'py>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 38, &[Some(q), Some(qd), Some(ctrl), Some(dt), act], None, out)
+        self.call(py, 40, &[Some(q), Some(qd), Some(ctrl), Some(dt), act], None, out)
     }
 
     /// Returns the state and the activations after a step of the time `dt` (s) under the controls
@@ -804,7 +858,7 @@ impl Robot {
         settings: Argument<'_, 'py>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 39, &[Some(q), Some(qd), Some(ctrl), Some(dt), act, applied, warm_start, settings], None, out)
+        self.call(py, 41, &[Some(q), Some(qd), Some(ctrl), Some(dt), act, applied, warm_start, settings], None, out)
     }
 
     /// Returns the results of `step_actuated`, and the derivatives of the state after it: `a` with
@@ -833,7 +887,72 @@ impl Robot {
         settings: Argument<'_, 'py>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 40, &[Some(q), Some(qd), Some(ctrl), Some(dt), act, applied, warm_start, settings], None, out)
+        self.call(py, 42, &[Some(q), Some(qd), Some(ctrl), Some(dt), act, applied, warm_start, settings], None, out)
+    }
+
+    /// Returns the results of `step_actuated`, and the gradients of `costate`^T state +
+    /// `act_costate`^T act after it with respect to the state before, `dx`, and to `ctrl`. The
+    /// state `dx` has the entries of q (in tangent space), the entries of qd, then `act`. At kinks
+    /// they are as in `step_derivatives`.
+    ///
+    /// Arguments: `q`: (nq,); `qd`: (nv,); `ctrl`: (controls,); `dt`: a number; `costate`: (2 nv,);
+    /// `act`: (activations,), which a robot without activations leaves out; `act_costate`:
+    /// (activations,), by default zeros; `applied`: (nv,), by default zeros; `warm_start`: (nv,),
+    /// by default zeros; `settings`: `StepSettings`, by default the result of `step_settings()`.
+    /// Result: `ActuatedStepVjp`: `q` (nq,), `qd` (nv,), `act` (activations,), `qdd` (nv,),
+    /// `forces` (touching points, 3), `dx` (2 nv + activations,), `dctrl` (controls,), `residual` a
+    /// number, `iterations` a number. Several states have one more axis, the first.
+    #[pyo3(signature = (q, qd, ctrl, dt, costate, act=None, act_costate=None, applied=None, warm_start=None, settings=None, *, out=None))]
+    fn step_actuated_vjp<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        qd: &Bound<'py, PyAny>,
+        ctrl: &Bound<'py, PyAny>,
+        dt: &Bound<'py, PyAny>,
+        costate: &Bound<'py, PyAny>,
+        act: Argument<'_, 'py>,
+        act_costate: Argument<'_, 'py>,
+        applied: Argument<'_, 'py>,
+        warm_start: Argument<'_, 'py>,
+        settings: Argument<'_, 'py>,
+        out: Argument<'_, 'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        self.call(py, 43, &[Some(q), Some(qd), Some(ctrl), Some(dt), Some(costate), act, act_costate, applied, warm_start, settings], None, out)
+    }
+
+    /// Returns the results of `step_actuated`, and the change `dx` of the state after it under the
+    /// changes `dq` (in tangent space), `dqd`, `dctrl` and `dact`. The state `dx` has the entries
+    /// of q (in tangent space), the entries of qd, then `act`. At kinks it is as in
+    /// `step_derivatives`.
+    ///
+    /// Arguments: `q`: (nq,); `qd`: (nv,); `dq`: (nv,); `dqd`: (nv,); `ctrl`: (controls,); `dctrl`:
+    /// (controls,); `dt`: a number; `act`: (activations,), which a robot without activations leaves
+    /// out; `dact`: (activations,), by default zeros; `applied`: (nv,), by default zeros;
+    /// `warm_start`: (nv,), by default zeros; `settings`: `StepSettings`, by default the result of
+    /// `step_settings()`.
+    /// Result: `ActuatedStepJvp`: `q` (nq,), `qd` (nv,), `act` (activations,), `qdd` (nv,),
+    /// `forces` (touching points, 3), `dx` (2 nv + activations,), `residual` a number, `iterations`
+    /// a number. Several states have one more axis, the first.
+    #[pyo3(signature = (q, qd, dq, dqd, ctrl, dctrl, dt, act=None, dact=None, applied=None, warm_start=None, settings=None, *, out=None))]
+    fn step_actuated_jvp<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        qd: &Bound<'py, PyAny>,
+        dq: &Bound<'py, PyAny>,
+        dqd: &Bound<'py, PyAny>,
+        ctrl: &Bound<'py, PyAny>,
+        dctrl: &Bound<'py, PyAny>,
+        dt: &Bound<'py, PyAny>,
+        act: Argument<'_, 'py>,
+        dact: Argument<'_, 'py>,
+        applied: Argument<'_, 'py>,
+        warm_start: Argument<'_, 'py>,
+        settings: Argument<'_, 'py>,
+        out: Argument<'_, 'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        self.call(py, 44, &[Some(q), Some(qd), Some(dq), Some(dqd), Some(ctrl), Some(dctrl), Some(dt), act, dact, applied, warm_start, settings], None, out)
     }
 
     /// Returns the joint forces of the accelerations `qdd`, the wrenches of the active contacts
@@ -858,7 +977,7 @@ impl Robot {
         settings: Argument<'_, 'py>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 41, &[Some(q), Some(qd), Some(qdd), contacts, settings], None, out)
+        self.call(py, 45, &[Some(q), Some(qd), Some(qdd), contacts, settings], None, out)
     }
 
     /// Returns the Jacobian of each constraint. The product with `qd` is, for a loop constraint,
@@ -876,7 +995,7 @@ impl Robot {
         q: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 42, &[Some(q)], None, out)
+        self.call(py, 46, &[Some(q)], None, out)
     }
 
     /// Returns the bias acceleration of each constraint: the time derivative of
@@ -893,7 +1012,7 @@ impl Robot {
         qd: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 43, &[Some(q), Some(qd)], None, out)
+        self.call(py, 47, &[Some(q), Some(qd)], None, out)
     }
 
     /// Returns the operational-space inertia of the constraints, its inverse J M^-1 J^T with the
@@ -916,7 +1035,7 @@ impl Robot {
         settings: Argument<'_, 'py>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 44, &[Some(q), contacts, settings], None, out)
+        self.call(py, 48, &[Some(q), contacts, settings], None, out)
     }
 
     /// Returns the regressor Y of inverse dynamics: tau = Y pi, without rotors and friction. pi has
@@ -934,7 +1053,7 @@ impl Robot {
         qdd: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 45, &[Some(q), Some(qd), Some(qdd)], None, out)
+        self.call(py, 49, &[Some(q), Some(qd), Some(qdd)], None, out)
     }
 
     /// Returns the centre of mass of the moving links in world axes, m.
@@ -948,7 +1067,7 @@ impl Robot {
         q: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 46, &[Some(q)], None, out)
+        self.call(py, 50, &[Some(q)], None, out)
     }
 
     /// Returns the Jacobian of the centre of mass. Its product with `qd` is the velocity of the
@@ -963,7 +1082,7 @@ impl Robot {
         q: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 47, &[Some(q)], None, out)
+        self.call(py, 51, &[Some(q)], None, out)
     }
 
     /// Returns the centroidal momentum matrix. Its product with `qd` is the momentum about the
@@ -980,7 +1099,7 @@ impl Robot {
         q: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 48, &[Some(q)], None, out)
+        self.call(py, 52, &[Some(q)], None, out)
     }
 
     /// Returns the centroidal composite inertia. Its product with a twist is the momentum about the
@@ -997,7 +1116,7 @@ impl Robot {
         q: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 49, &[Some(q)], None, out)
+        self.call(py, 53, &[Some(q)], None, out)
     }
 
     /// Returns the momentum of the moving links about their centre of mass, in world axes. Rotors
@@ -1014,7 +1133,7 @@ impl Robot {
         qd: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 50, &[Some(q), Some(qd)], None, out)
+        self.call(py, 54, &[Some(q), Some(qd)], None, out)
     }
 
     /// Returns the time derivative of the centroidal momentum in world axes: the moment (N m) and
@@ -1033,7 +1152,7 @@ impl Robot {
         qdd: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 51, &[Some(q), Some(qd), Some(qdd)], None, out)
+        self.call(py, 55, &[Some(q), Some(qd), Some(qdd)], None, out)
     }
 
     /// Returns the momentum of the moving links about their centre of mass, its time derivative at
@@ -1054,7 +1173,7 @@ impl Robot {
         qdd: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 52, &[Some(q), Some(qd), Some(qdd)], None, out)
+        self.call(py, 56, &[Some(q), Some(qd), Some(qdd)], None, out)
     }
 
     /// Returns the poses in the world of all links of the description, fixed links included, in the
@@ -1070,7 +1189,7 @@ impl Robot {
         q: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 53, &[Some(q)], None, out)
+        self.call(py, 57, &[Some(q)], None, out)
     }
 
     /// Returns the pose of a link in the world. Computes the link's kinematic path only.
@@ -1086,7 +1205,7 @@ impl Robot {
         link: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 54, &[Some(q)], Some(link), out)
+        self.call(py, 58, &[Some(q)], Some(link), out)
     }
 
     /// Returns the velocity of a link's origin (m/s) and its angular velocity (rad/s), in world
@@ -1105,7 +1224,7 @@ impl Robot {
         link: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 55, &[Some(q), Some(qd)], Some(link), out)
+        self.call(py, 59, &[Some(q), Some(qd)], Some(link), out)
     }
 
     /// Returns the velocity of a link's origin (m/s) and its angular velocity (rad/s), in the
@@ -1124,7 +1243,7 @@ impl Robot {
         link: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 56, &[Some(q), Some(qd)], Some(link), out)
+        self.call(py, 60, &[Some(q), Some(qd)], Some(link), out)
     }
 
     /// Returns the classical acceleration of a link's origin (m/s^2) and its angular acceleration
@@ -1144,7 +1263,7 @@ impl Robot {
         link: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 57, &[Some(q), Some(qd), Some(qdd)], Some(link), out)
+        self.call(py, 61, &[Some(q), Some(qd), Some(qdd)], Some(link), out)
     }
 
     /// Returns the classical acceleration of a link's origin (m/s^2) and its angular acceleration
@@ -1165,7 +1284,7 @@ impl Robot {
         link: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 58, &[Some(q), Some(qd), Some(qdd)], Some(link), out)
+        self.call(py, 62, &[Some(q), Some(qd), Some(qdd)], Some(link), out)
     }
 
     /// Returns the Jacobian of a link. Its product with `qd` is the velocity of the link at its
@@ -1182,7 +1301,7 @@ impl Robot {
         link: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 59, &[Some(q)], Some(link), out)
+        self.call(py, 63, &[Some(q)], Some(link), out)
     }
 
     /// Returns the Jacobian of a link. Its product with `qd` is the velocity of the link at its
@@ -1199,7 +1318,7 @@ impl Robot {
         link: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 60, &[Some(q)], Some(link), out)
+        self.call(py, 64, &[Some(q)], Some(link), out)
     }
 
     /// Returns the time derivative of `jacobian`. Its product with `qd` is `jacobian_dot_qd`.
@@ -1218,7 +1337,7 @@ impl Robot {
         link: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 61, &[Some(q), Some(qd)], Some(link), out)
+        self.call(py, 65, &[Some(q), Some(qd)], Some(link), out)
     }
 
     /// Returns the time derivative of `jacobian_local`. Its product with `qd` is
@@ -1237,7 +1356,7 @@ impl Robot {
         link: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 62, &[Some(q), Some(qd)], Some(link), out)
+        self.call(py, 66, &[Some(q), Some(qd)], Some(link), out)
     }
 
     /// Returns the bias acceleration of a link in world axes: the time derivative of `jacobian`
@@ -1257,7 +1376,7 @@ impl Robot {
         link: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 63, &[Some(q), Some(qd)], Some(link), out)
+        self.call(py, 67, &[Some(q), Some(qd)], Some(link), out)
     }
 
     /// Returns the bias acceleration of a link in its own axes: the time derivative of
@@ -1276,7 +1395,7 @@ impl Robot {
         link: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 64, &[Some(q), Some(qd)], Some(link), out)
+        self.call(py, 68, &[Some(q), Some(qd)], Some(link), out)
     }
 
     /// Returns the coordinates after the displacement `v` (a velocity times a time) from `q`.
@@ -1291,7 +1410,7 @@ impl Robot {
         v: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 65, &[Some(q), Some(v)], None, out)
+        self.call(py, 69, &[Some(q), Some(v)], None, out)
     }
 
     /// Returns the displacement `v` with which `integrate` leads from `from_` to `to`. Rotations
@@ -1307,7 +1426,7 @@ impl Robot {
         to: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 66, &[Some(from_), Some(to)], None, out)
+        self.call(py, 70, &[Some(from_), Some(to)], None, out)
     }
 
     /// Returns the derivatives of `integrate` with respect to `q` and `v` in tangent space:
@@ -1324,7 +1443,7 @@ impl Robot {
         v: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 67, &[Some(q), Some(v)], None, out)
+        self.call(py, 71, &[Some(q), Some(v)], None, out)
     }
 
     /// Returns the derivatives of `difference` with respect to `from_` and `to` in tangent space:
@@ -1341,7 +1460,7 @@ impl Robot {
         to: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 68, &[Some(from_), Some(to)], None, out)
+        self.call(py, 72, &[Some(from_), Some(to)], None, out)
     }
 
     /// Returns dq/dt, the rates of the coordinates `q` at the velocities `qd`.
@@ -1356,7 +1475,7 @@ impl Robot {
         qd: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 69, &[Some(q), Some(qd)], None, out)
+        self.call(py, 73, &[Some(q), Some(qd)], None, out)
     }
 
     /// Returns the coordinates with quaternions scaled to length 1.
@@ -1370,7 +1489,7 @@ impl Robot {
         q: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 70, &[Some(q)], None, out)
+        self.call(py, 74, &[Some(q)], None, out)
     }
 
     /// Returns coordinates within the joint limits, from random numbers uniformly distributed in
@@ -1386,7 +1505,7 @@ impl Robot {
         uniforms: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 71, &[Some(uniforms)], None, out)
+        self.call(py, 75, &[Some(uniforms)], None, out)
     }
     // <!-- end -->
 }

@@ -272,6 +272,15 @@ def test_derivatives_in_tangent_space():
     one = robot.step_derivatives(q[3], qd[3], tau[3], **arguments)
     close(one.a, matrices.a[3], 1e-7)
     close(one.b, matrices.b[3], 1e-7)
+    # Products with the matrices.
+    random = np.random.default_rng(16)
+    costate, changes = random.normal(size=(len(q), 2 * n)), random.normal(size=(3, len(q), n))
+    gradients = robot.step_vjp(q, qd, tau, costate=costate, **arguments)
+    close(gradients.dx, np.einsum("sij,si->sj", matrices.a, costate), 1e-7)
+    close(gradients.dtau, np.einsum("sij,si->sj", matrices.b, costate), 1e-7)
+    of_state, of_tau = np.concatenate(changes[:2], -1), changes[2]
+    expected = np.einsum("sij,sj->si", matrices.a, of_state) + np.einsum("sij,sj->si", matrices.b, of_tau)
+    close(robot.step_jvp(q, qd, tau, *changes, **arguments).dx, expected, 1e-7)
 
 
 def test_a_policy_moves_the_quadruped():

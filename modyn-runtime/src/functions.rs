@@ -176,10 +176,18 @@ traits! {
     Step "`{Self}` has no function `step`";
     /// Robots that have `step_derivatives`.
     StepDerivatives "`{Self}` has no function `step_derivatives`";
+    /// Robots that have `step_vjp`.
+    StepVjp "`{Self}` has no function `step_vjp`";
+    /// Robots that have `step_jvp`.
+    StepJvp "`{Self}` has no function `step_jvp`";
     /// Robots that have `step_actuated`.
     StepActuated "`{Self}` has no function `step_actuated`";
     /// Robots that have `step_actuated_derivatives`.
     StepActuatedDerivatives "`{Self}` has no function `step_actuated_derivatives`";
+    /// Robots that have `step_actuated_vjp`.
+    StepActuatedVjp "`{Self}` has no function `step_actuated_vjp`";
+    /// Robots that have `step_actuated_jvp`.
+    StepActuatedJvp "`{Self}` has no function `step_actuated_jvp`";
     /// Robots that have `center_of_mass`.
     CenterOfMass "`{Self}` has no function `center_of_mass`";
     /// Robots that have `center_of_mass_jacobian`.
@@ -294,10 +302,10 @@ all_of! {
     InverseDynamicsDerivatives ForwardDynamicsDerivatives InverseDynamicsVjp InverseDynamicsJvp
     ForwardDynamicsVjp ForwardDynamicsJvp InverseDynamicsHessian ForwardDynamicsHessian
     StepSemiImplicit StepSemiImplicitDerivatives StepSemiImplicitHessian StepRk4 StepRk4Derivatives
-    StepImplicitMidpoint StepImplicitMidpointDerivatives Step StepDerivatives Regressor
-    CenterOfMassJacobian CentroidalMomentumMatrix CentroidalCompositeInertia CentroidalMomentum
-    CentroidalMomentumRate CentroidalMomentumDerivatives LinkVelocity LinkVelocityLocal
-    LinkAcceleration LinkAccelerationLocal JacobianLocal JacobianTimeDerivative
+    StepImplicitMidpoint StepImplicitMidpointDerivatives Step StepDerivatives StepVjp StepJvp
+    Regressor CenterOfMassJacobian CentroidalMomentumMatrix CentroidalCompositeInertia
+    CentroidalMomentum CentroidalMomentumRate CentroidalMomentumDerivatives LinkVelocity
+    LinkVelocityLocal LinkAcceleration LinkAccelerationLocal JacobianLocal JacobianTimeDerivative
     JacobianTimeDerivativeLocal JacobianDotQd JacobianDotQdLocal IntegrateDerivatives
     DifferenceDerivatives
     // <!-- end -->

@@ -71,8 +71,8 @@ pub use equations::Forces;
 pub use interpreter::{
     ActuatorOutputs, ConstrainedDerivatives, ConstrainedHessianOutputs, DecompositionError,
     ForwardDerivatives, FrameError, HessianOutputs, InertialError, Interpreter, ModuleMismatch,
-    ShapeError, StateDerivatives, StepHessianOutputs, StepOutputs, StepSolutionOutputs,
-    UduFactorization, UpdateError,
+    ShapeError, StateChange, StateDerivatives, StateGradients, StepHessianOutputs, StepOutputs,
+    StepSolutionOutputs, UduFactorization, UpdateError,
 };
 
 #[cfg(feature = "nalgebra")]
@@ -86,13 +86,14 @@ pub use float::{ELEMENTARY_F32, ELEMENTARY_F64, ElementaryNumbers};
 pub use inertial::{Inertial, InertialDefect};
 pub use parameters::ParameterError;
 pub use results::{
-    ActuatedStep, ActuatorForces, CentroidalMomentumDerivatives, ConstrainedForwardDynamics,
-    ConstrainedForwardDynamicsDerivatives, ConstrainedForwardDynamicsHessian,
-    ConstrainedInverseDynamics, ConstraintProjection, ConstraintResidual, DifferenceDerivatives,
-    ForwardDynamicsDerivatives, ForwardDynamicsHessian, ForwardDynamicsJvp, ForwardDynamicsVjp,
-    GeneralizedForces, ImpactDynamics, IntegrateDerivatives, InverseDynamicsDerivatives,
-    InverseDynamicsHessian, InverseDynamicsJvp, InverseDynamicsVjp, LinearizedActuatedStep,
-    LinearizedStep, OperationalSpaceInertia, Step, StepDerivatives, StepHessian, StepSolution,
+    ActuatedStep, ActuatedStepJvp, ActuatedStepVjp, ActuatorForces, CentroidalMomentumDerivatives,
+    ConstrainedForwardDynamics, ConstrainedForwardDynamicsDerivatives,
+    ConstrainedForwardDynamicsHessian, ConstrainedInverseDynamics, ConstraintProjection,
+    ConstraintResidual, DifferenceDerivatives, ForwardDynamicsDerivatives, ForwardDynamicsHessian,
+    ForwardDynamicsJvp, ForwardDynamicsVjp, GeneralizedForces, ImpactDynamics,
+    IntegrateDerivatives, InverseDynamicsDerivatives, InverseDynamicsHessian, InverseDynamicsJvp,
+    InverseDynamicsVjp, LinearizedActuatedStep, LinearizedStep, OperationalSpaceInertia, Step,
+    StepDerivatives, StepHessian, StepJvp, StepSolution, StepVjp,
 };
 #[cfg(feature = "alloc")]
 pub use robot::EmbeddedModel;

@@ -459,3 +459,96 @@ pub struct ConstraintResidual<D> {
     /// The velocities, m/s and rad/s.
     pub velocities: D,
 }
+
+/// The results of a step with contacts, and the gradients of costate^T state after it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StepVjp<Q, V, A, P, Dx, Dtau, R, I> {
+    /// The coordinates after the step.
+    pub q: Q,
+    /// The velocities after the step, rad/s or m/s.
+    pub qd: V,
+    /// The accelerations in the step, from which the next step starts, rad/s^2 or m/s^2.
+    pub qdd: A,
+    /// The force of each contact along the x and y axes of its plane, then along the normal, N.
+    pub forces: P,
+    /// The gradient with respect to the state before the step: the entries of q, in tangent space,
+    /// then the entries of qd.
+    pub dx: Dx,
+    /// The gradient with respect to `tau`.
+    pub dtau: Dtau,
+    /// The largest mismatch between the forces and their laws, divided by the sum of the robot's
+    /// weight and the largest force. NaN if an argument is NaN.
+    pub residual: R,
+    /// The number of iterations of Newton's method.
+    pub iterations: I,
+}
+
+/// The results of a step with contacts, and the change of the state after it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StepJvp<Q, V, A, P, Dx, R, I> {
+    /// The coordinates after the step.
+    pub q: Q,
+    /// The velocities after the step, rad/s or m/s.
+    pub qd: V,
+    /// The accelerations in the step, from which the next step starts, rad/s^2 or m/s^2.
+    pub qdd: A,
+    /// The force of each contact along the x and y axes of its plane, then along the normal, N.
+    pub forces: P,
+    /// The change of the state after the step: the entries of q, in tangent space, then the entries
+    /// of qd.
+    pub dx: Dx,
+    /// The largest mismatch between the forces and their laws, divided by the sum of the robot's
+    /// weight and the largest force. NaN if an argument is NaN.
+    pub residual: R,
+    /// The number of iterations of Newton's method.
+    pub iterations: I,
+}
+
+/// The results of a step under the controls of actuators, and the gradients of costate^T state after
+/// it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ActuatedStepVjp<Q, V, C, A, P, Dx, Dctrl, R, I> {
+    /// The coordinates after the step.
+    pub q: Q,
+    /// The velocities after the step, rad/s or m/s.
+    pub qd: V,
+    /// The activations after the step.
+    pub act: C,
+    /// The accelerations in the step, from which the next step starts, rad/s^2 or m/s^2.
+    pub qdd: A,
+    /// The force of each contact along the x and y axes of its plane, then along the normal, N.
+    pub forces: P,
+    /// The gradient with respect to the state before the step: the entries of q, in tangent space,
+    /// the entries of qd, then the activations.
+    pub dx: Dx,
+    /// The gradient with respect to the controls.
+    pub dctrl: Dctrl,
+    /// The largest mismatch between the forces and their laws, divided by the sum of the robot's
+    /// weight and the largest force. NaN if an argument is NaN.
+    pub residual: R,
+    /// The number of iterations of Newton's method.
+    pub iterations: I,
+}
+
+/// The results of a step under the controls of actuators, and the change of the state after it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ActuatedStepJvp<Q, V, C, A, P, Dx, R, I> {
+    /// The coordinates after the step.
+    pub q: Q,
+    /// The velocities after the step, rad/s or m/s.
+    pub qd: V,
+    /// The activations after the step.
+    pub act: C,
+    /// The accelerations in the step, from which the next step starts, rad/s^2 or m/s^2.
+    pub qdd: A,
+    /// The force of each contact along the x and y axes of its plane, then along the normal, N.
+    pub forces: P,
+    /// The change of the state after the step: the entries of q, in tangent space, the entries of
+    /// qd, then the activations.
+    pub dx: Dx,
+    /// The largest mismatch between the forces and their laws, divided by the sum of the robot's
+    /// weight and the largest force. NaN if an argument is NaN.
+    pub residual: R,
+    /// The number of iterations of Newton's method.
+    pub iterations: I,
+}

@@ -263,6 +263,8 @@ macro_rules! row_results {
             other StepImplicitMidpointDerivatives step_implicit_midpoint_derivatives [step_implicit_midpoint_derivatives_with] [q qd tau dt] [];
             other Step step [step_with] [q qd tau dt warm_start step_settings] [];
             other StepDerivatives step_derivatives [step_derivatives_with] [q qd tau dt warm_start step_settings] [];
+            other StepVjp step_vjp [step_vjp_with] [q qd tau dt costate warm_start step_settings] [];
+            other StepJvp step_jvp [step_jvp_with] [q qd tau dq dqd dtau dt warm_start step_settings] [];
             other Regressor regressor [regressor_with] [q qd qdd] [];
             default CenterOfMass center_of_mass [center_of_mass_with] [q] [];
             other CenterOfMassJacobian center_of_mass_jacobian [center_of_mass_jacobian_with] [q] [];

@@ -13,6 +13,7 @@ mod evaluate;
 pub(crate) mod limit;
 mod node;
 mod scalar;
+pub mod step;
 pub(crate) mod table;
 mod vectors;
 

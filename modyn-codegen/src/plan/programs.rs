@@ -19,10 +19,11 @@ use super::planned::{Kernels, Planned};
 use super::user::{TracedForm, TracedFunction};
 use super::wrapped::docs_of;
 use crate::graph::Graph;
+use crate::graph::step::StepGraph;
 use crate::intern::intern;
 use crate::passes::{balance, optimize};
 use crate::program::{Execution, InvalidProgram, Program};
-use crate::trace::{DerivativeForm, Drive, EliminationOf, StepGraph, Tracer};
+use crate::trace::{DerivativeForm, Drive, EliminationOf, StepProduct, Tracer};
 
 /// The scalar graphs of the selected functions that also have a selected batch form. Each graph is
 /// traced once, for the function and its batch form.
@@ -251,7 +252,9 @@ impl PlanContext<'_> {
     pub(super) fn step(&self, function: Function, scalars: usize, form: StepForm) -> Kernels {
         let soft = SoftModel::of(self.model);
         let drive = self.drive(function);
-        let has_derivatives = function.row().derivatives_of.is_some();
+        let product = StepProduct::of(function);
+        let has_derivatives = function.row().derivatives_of.is_some() && product.is_none();
+        let refined = product.map(|product| (product, self.refined_step(function)));
         let derivatives = |column_lanes: usize| {
             let layout = &self.for_derivatives;
             has_derivatives.then_some(DerivativeForm { layout, column_lanes })
@@ -270,6 +273,10 @@ impl PlanContext<'_> {
                 }
                 let inputs = step.results.inputs.end;
                 step.graph = self.tracer.with_unit_quaternions(&step.graph, &coordinates, inputs);
+            }
+            if let Some((product, refined)) = &refined {
+                let sizes = &self.sizes;
+                step = self.tracer.step_with_product(function, *product, step, refined, sizes);
             }
             StepGraph { graph: optimize(step.graph), ..step }
         };

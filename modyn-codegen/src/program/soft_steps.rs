@@ -32,8 +32,8 @@ use super::{
     Array, Call, Entry, Execution, InvalidProgram, Loop, LoopForm, Loops, Place, Program, Read,
     Routine, Row, Step, Table, Write,
 };
+use crate::graph::step::{SEARCH, SolverParts, StepGraph};
 use crate::graph::{Graph, Id, Node};
-use crate::trace::{SEARCH, SolverParts, StepGraph};
 
 /// The arrays of the loops: numbers that no iteration changes; the accelerations and balances of
 /// the rows at the start of an iteration and at the end of its full step; the numbers of the

@@ -17,7 +17,7 @@ use modyn_runtime::mechanism::coordinates::CoordinateSpace;
 use super::Tracer;
 use super::composition::Composition;
 use super::products::ForwardDynamics;
-use super::soft_steps::StepGraph;
+use crate::graph::step::StepGraph;
 use crate::graph::{Graph, Id, Node};
 use crate::passes::{hessian, jacobian, jvp, optimize, vjp};
 

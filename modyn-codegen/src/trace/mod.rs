@@ -20,6 +20,7 @@ mod parameters;
 mod products;
 mod soft_steps;
 mod step_hessians;
+mod step_products;
 mod steps;
 mod tangent;
 mod user;
@@ -33,7 +34,8 @@ pub use entries::{EntryDerivatives, EntryForm, second_derivatives};
 pub use evaluation::Solvers;
 pub use limbs::{LimbLimits, LimbPacking};
 pub use parameters::Parameters;
-pub use soft_steps::{DerivativeForm, Drive, EliminationOf, Part, SEARCH, SolverParts, StepGraph};
+pub use soft_steps::{DerivativeForm, Drive, EliminationOf};
+pub use step_products::StepProduct;
 pub use tangent::{TangentGraphs, TangentInput};
 pub use user::{UserGraphs, UserTraceError};
 

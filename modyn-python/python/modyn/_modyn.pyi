@@ -920,6 +920,34 @@ class Robot:
         `a` (2 nv, 2 nv), `b` (2 nv, nv), `residual` a number, `iterations` a number. Several states
         have one more axis, the first.
         """
+    def step_vjp(
+        self, q: ArrayLike, qd: ArrayLike, tau: ArrayLike, dt: ArrayLike, costate: ArrayLike, warm_start: ArrayLike | None = None, settings: StepSettings | ArrayLike | None = None, *, out: StepVjp | None = None
+    ) -> StepVjp:
+        """Returns the results of `step`, and the gradients of `costate`^T state after it with respect
+        to the state before, `dx`, and to `tau`. A state has the entries of q (in tangent space),
+        then the entries of qd. At kinks they are as in `step_derivatives`.
+
+        Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number; `costate`: (2 nv,);
+        `warm_start`: (nv,), by default zeros; `settings`: `StepSettings`, by default the result of
+        `step_settings()`.
+        Result: `StepVjp`: `q` (nq,), `qd` (nv,), `qdd` (nv,), `forces` (touching points, 3), `dx`
+        (2 nv,), `dtau` (nv,), `residual` a number, `iterations` a number. Several states have one
+        more axis, the first.
+        """
+    def step_jvp(
+        self, q: ArrayLike, qd: ArrayLike, tau: ArrayLike, dq: ArrayLike, dqd: ArrayLike, dtau: ArrayLike, dt: ArrayLike, warm_start: ArrayLike | None = None, settings: StepSettings | ArrayLike | None = None, *, out: StepJvp | None = None
+    ) -> StepJvp:
+        """Returns the results of `step`, and the change `dx` of the state after it under the changes
+        `dq` (in tangent space), `dqd` and `dtau`. A state has the entries of q (in tangent space),
+        then the entries of qd. At kinks it is as in `step_derivatives`.
+
+        Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dq`: (nv,); `dqd`: (nv,); `dtau`: (nv,);
+        `dt`: a number; `warm_start`: (nv,), by default zeros; `settings`: `StepSettings`, by
+        default the result of `step_settings()`.
+        Result: `StepJvp`: `q` (nq,), `qd` (nv,), `qdd` (nv,), `forces` (touching points, 3), `dx`
+        (2 nv,), `residual` a number, `iterations` a number. Several states have one more axis, the
+        first.
+        """
     def actuate(
         self, q: ArrayLike, qd: ArrayLike, ctrl: ArrayLike, dt: ArrayLike, act: ArrayLike | None = None, *, out: ActuatorForces | None = None
     ) -> ActuatorForces:
@@ -964,6 +992,39 @@ class Robot:
         `forces` (touching points, 3), `a` (2 nv + activations, 2 nv + activations), `b` (2 nv +
         activations, controls), `residual` a number, `iterations` a number. Several states have one
         more axis, the first.
+        """
+    def step_actuated_vjp(
+        self, q: ArrayLike, qd: ArrayLike, ctrl: ArrayLike, dt: ArrayLike, costate: ArrayLike, act: ArrayLike | None = None, act_costate: ArrayLike | None = None, applied: ArrayLike | None = None, warm_start: ArrayLike | None = None, settings: StepSettings | ArrayLike | None = None, *, out: ActuatedStepVjp | None = None
+    ) -> ActuatedStepVjp:
+        """Returns the results of `step_actuated`, and the gradients of `costate`^T state +
+        `act_costate`^T act after it with respect to the state before, `dx`, and to `ctrl`. The
+        state `dx` has the entries of q (in tangent space), the entries of qd, then `act`. At kinks
+        they are as in `step_derivatives`.
+
+        Arguments: `q`: (nq,); `qd`: (nv,); `ctrl`: (controls,); `dt`: a number; `costate`: (2 nv,);
+        `act`: (activations,), which a robot without activations leaves out; `act_costate`:
+        (activations,), by default zeros; `applied`: (nv,), by default zeros; `warm_start`: (nv,),
+        by default zeros; `settings`: `StepSettings`, by default the result of `step_settings()`.
+        Result: `ActuatedStepVjp`: `q` (nq,), `qd` (nv,), `act` (activations,), `qdd` (nv,),
+        `forces` (touching points, 3), `dx` (2 nv + activations,), `dctrl` (controls,), `residual` a
+        number, `iterations` a number. Several states have one more axis, the first.
+        """
+    def step_actuated_jvp(
+        self, q: ArrayLike, qd: ArrayLike, dq: ArrayLike, dqd: ArrayLike, ctrl: ArrayLike, dctrl: ArrayLike, dt: ArrayLike, act: ArrayLike | None = None, dact: ArrayLike | None = None, applied: ArrayLike | None = None, warm_start: ArrayLike | None = None, settings: StepSettings | ArrayLike | None = None, *, out: ActuatedStepJvp | None = None
+    ) -> ActuatedStepJvp:
+        """Returns the results of `step_actuated`, and the change `dx` of the state after it under the
+        changes `dq` (in tangent space), `dqd`, `dctrl` and `dact`. The state `dx` has the entries
+        of q (in tangent space), the entries of qd, then `act`. At kinks it is as in
+        `step_derivatives`.
+
+        Arguments: `q`: (nq,); `qd`: (nv,); `dq`: (nv,); `dqd`: (nv,); `ctrl`: (controls,); `dctrl`:
+        (controls,); `dt`: a number; `act`: (activations,), which a robot without activations leaves
+        out; `dact`: (activations,), by default zeros; `applied`: (nv,), by default zeros;
+        `warm_start`: (nv,), by default zeros; `settings`: `StepSettings`, by default the result of
+        `step_settings()`.
+        Result: `ActuatedStepJvp`: `q` (nq,), `qd` (nv,), `act` (activations,), `qdd` (nv,),
+        `forces` (touching points, 3), `dx` (2 nv + activations,), `residual` a number, `iterations`
+        a number. Several states have one more axis, the first.
         """
     def constrained_inverse_dynamics(
         self, q: ArrayLike, qd: ArrayLike, qdd: ArrayLike, contacts: ArrayLike | None = None, settings: ConstraintSettings | ArrayLike | None = None, *, out: ConstrainedInverseDynamics | None = None

@@ -10,6 +10,8 @@ from numpy.typing import NDArray
 # <!-- data: python-results -->
 __all__ = [
     "ActuatedStep",
+    "ActuatedStepJvp",
+    "ActuatedStepVjp",
     "ActuatorForces",
     "CentroidalMomentumDerivatives",
     "ConstrainedForwardDynamics",
@@ -37,7 +39,9 @@ __all__ = [
     "Step",
     "StepDerivatives",
     "StepHessian",
+    "StepJvp",
     "StepSolution",
+    "StepVjp",
 ]
 
 
@@ -54,6 +58,50 @@ class ActuatedStep(NamedTuple):
     """(nv,)"""
     forces: NDArray[Any]
     """(touching points, 3)"""
+    residual: NDArray[Any]
+    """a number"""
+    iterations: NDArray[Any]
+    """a number"""
+
+
+class ActuatedStepJvp(NamedTuple):
+    """The result of `step_actuated_jvp`."""
+
+    q: NDArray[Any]
+    """(nq,)"""
+    qd: NDArray[Any]
+    """(nv,)"""
+    act: NDArray[Any]
+    """(activations,)"""
+    qdd: NDArray[Any]
+    """(nv,)"""
+    forces: NDArray[Any]
+    """(touching points, 3)"""
+    dx: NDArray[Any]
+    """(2 nv + activations,)"""
+    residual: NDArray[Any]
+    """a number"""
+    iterations: NDArray[Any]
+    """a number"""
+
+
+class ActuatedStepVjp(NamedTuple):
+    """The result of `step_actuated_vjp`."""
+
+    q: NDArray[Any]
+    """(nq,)"""
+    qd: NDArray[Any]
+    """(nv,)"""
+    act: NDArray[Any]
+    """(activations,)"""
+    qdd: NDArray[Any]
+    """(nv,)"""
+    forces: NDArray[Any]
+    """(touching points, 3)"""
+    dx: NDArray[Any]
+    """(2 nv + activations,)"""
+    dctrl: NDArray[Any]
+    """(controls,)"""
     residual: NDArray[Any]
     """a number"""
     iterations: NDArray[Any]
@@ -427,6 +475,25 @@ class StepHessian(NamedTuple):
     """(nv, nv)"""
 
 
+class StepJvp(NamedTuple):
+    """The result of `step_jvp`."""
+
+    q: NDArray[Any]
+    """(nq,)"""
+    qd: NDArray[Any]
+    """(nv,)"""
+    qdd: NDArray[Any]
+    """(nv,)"""
+    forces: NDArray[Any]
+    """(touching points, 3)"""
+    dx: NDArray[Any]
+    """(2 nv,)"""
+    residual: NDArray[Any]
+    """a number"""
+    iterations: NDArray[Any]
+    """a number"""
+
+
 class StepSolution(NamedTuple):
     """The result of `step`."""
 
@@ -438,6 +505,27 @@ class StepSolution(NamedTuple):
     """(nv,)"""
     forces: NDArray[Any]
     """(touching points, 3)"""
+    residual: NDArray[Any]
+    """a number"""
+    iterations: NDArray[Any]
+    """a number"""
+
+
+class StepVjp(NamedTuple):
+    """The result of `step_vjp`."""
+
+    q: NDArray[Any]
+    """(nq,)"""
+    qd: NDArray[Any]
+    """(nv,)"""
+    qdd: NDArray[Any]
+    """(nv,)"""
+    forces: NDArray[Any]
+    """(touching points, 3)"""
+    dx: NDArray[Any]
+    """(2 nv,)"""
+    dtau: NDArray[Any]
+    """(nv,)"""
     residual: NDArray[Any]
     """a number"""
     iterations: NDArray[Any]

@@ -48,7 +48,7 @@ pub use errors::{DecompositionError, FrameError, ModuleMismatch, ShapeError, Upd
 pub use factorization::UduFactorization;
 pub use hessians::{HessianOutputs, StepHessianOutputs};
 pub use inertias::InertialError;
-pub use soft_constraints::{StateDerivatives, StepSolutionOutputs};
+pub use soft_constraints::{StateChange, StateDerivatives, StateGradients, StepSolutionOutputs};
 pub use steps::StepOutputs;
 
 /// The dynamics of a model that is known at run time only.

@@ -70,6 +70,75 @@ impl<S: Copy> StateDerivatives<'_, S> {
     }
 }
 
+/// The gradients of a weighted sum of the state after a step. A state has the entries of q, in
+/// tangent space, of qd, then the activations of a step under controls.
+pub struct StateGradients<'a, S> {
+    /// The weights of the coordinates and the velocities.
+    pub costate: &'a [S],
+    /// The weights of the activations; none for a step under joint forces.
+    pub act_costate: &'a [S],
+    /// The gradient with respect to the state before the step.
+    pub dx: &'a mut [S],
+    /// The gradient with respect to the joint forces or the controls.
+    pub du: &'a mut [S],
+}
+
+impl<S: Scalar> StateGradients<'_, S> {
+    /// Checks the lengths for so many velocities, activations and inputs.
+    fn check(&self, [nv, activations, inputs]: [usize; 3]) -> Result<(), ShapeError> {
+        check("costate", self.costate, 2 * nv)?;
+        check("act_costate", self.act_costate, activations)?;
+        check("dx", self.dx, 2 * nv + activations)?;
+        check("du", self.du, inputs)
+    }
+
+    /// Sets the gradients by the columns of the derivatives.
+    fn fill(self, columns: &[Vec<S>]) {
+        let weights = || self.costate.iter().chain(self.act_costate);
+        for (gradient, column) in self.dx.iter_mut().chain(self.du).zip(columns) {
+            let products = weights().zip(column).map(|(&weight, &entry)| weight * entry);
+            *gradient = products.fold(S::zero(), |sum, product| sum + product);
+        }
+    }
+}
+
+/// The change of the state after a step under a change of its arguments. A state has the entries of
+/// q, in tangent space, of qd, then the activations of a step under controls.
+pub struct StateChange<'a, S> {
+    /// The change of the coordinates, in tangent space.
+    pub dq: &'a [S],
+    /// The change of the velocities.
+    pub dqd: &'a [S],
+    /// The change of the activations; none for a step under joint forces.
+    pub dact: &'a [S],
+    /// The change of the joint forces or the controls.
+    pub du: &'a [S],
+    /// The change of the state after the step.
+    pub dx: &'a mut [S],
+}
+
+impl<S: Scalar> StateChange<'_, S> {
+    /// Checks the lengths for so many velocities, activations and inputs.
+    fn check(&self, [nv, activations, inputs]: [usize; 3]) -> Result<(), ShapeError> {
+        check("dq", self.dq, nv)?;
+        check("dqd", self.dqd, nv)?;
+        check("dact", self.dact, activations)?;
+        check("du", self.du, inputs)?;
+        check("dx", self.dx, 2 * nv + activations)
+    }
+
+    /// Sets the change by the columns of the derivatives.
+    fn fill(self, columns: &[Vec<S>]) {
+        self.dx.fill(S::zero());
+        let changes = [self.dq, self.dqd, self.dact, self.du].into_iter().flatten();
+        for (&change, column) in changes.zip(columns) {
+            for (sum, &entry) in self.dx.iter_mut().zip(column) {
+                *sum = *sum + change * entry;
+            }
+        }
+    }
+}
+
 impl<S: Scalar> Interpreter<S> {
     /// Computes the state after a step with contacts, joint limits and dry joint friction: see
     /// [`step`](crate::Robot::step). Allocates memory at each call.
@@ -101,12 +170,43 @@ impl<S: Scalar> Interpreter<S> {
         derivatives: StateDerivatives<'_, S>,
     ) -> Result<(), ShapeError> {
         derivatives.check(2 * self.model.nv(), self.model.nv())?;
-        let StepSolutionOutputs { q, qd, qdd, forces, residual, iterations } = outputs;
-        let solution = StepSolutionOutputs { q, qd, qdd: &mut *qdd, forces, residual, iterations };
-        self.step(input, settings, solution)?;
-        let drive = StepDrive::Forces(input.step.tau);
-        let at_solution = StepInput { warm_start: qdd, ..input };
-        derivatives.fill(self.state_derivatives(at_solution, settings, |_| drive));
+        derivatives.fill(self.columns_of_step(input, settings, outputs)?);
+        Ok(())
+    }
+
+    /// Computes the results of [`step`](Self::step), and the gradients of a weighted sum of the
+    /// state after it: see [`step_vjp`](crate::Robot::step_vjp). Allocates memory at each call.
+    ///
+    /// # Errors
+    ///
+    /// If a slice does not have the model's length.
+    pub fn step_vjp(
+        &mut self,
+        input: StepInput<'_, S>,
+        settings: &StepSettings<S, impl AsRef<[ContactSurface<S>]>>,
+        outputs: StepSolutionOutputs<'_, S>,
+        gradients: StateGradients<'_, S>,
+    ) -> Result<(), ShapeError> {
+        gradients.check([self.model.nv(), 0, self.model.nv()])?;
+        gradients.fill(&self.columns_of_step(input, settings, outputs)?);
+        Ok(())
+    }
+
+    /// Computes the results of [`step`](Self::step), and the change of the state after it: see
+    /// [`step_jvp`](crate::Robot::step_jvp). Allocates memory at each call.
+    ///
+    /// # Errors
+    ///
+    /// If a slice does not have the model's length.
+    pub fn step_jvp(
+        &mut self,
+        input: StepInput<'_, S>,
+        settings: &StepSettings<S, impl AsRef<[ContactSurface<S>]>>,
+        outputs: StepSolutionOutputs<'_, S>,
+        change: StateChange<'_, S>,
+    ) -> Result<(), ShapeError> {
+        change.check([self.model.nv(), 0, self.model.nv()])?;
+        change.fill(&self.columns_of_step(input, settings, outputs)?);
         Ok(())
     }
 
@@ -128,6 +228,76 @@ impl<S: Scalar> Interpreter<S> {
     ) -> Result<(), ShapeError> {
         let ActuatorInput { act, ctrl, .. } = input.actuators;
         derivatives.check(2 * self.model.nv() + act.len(), ctrl.len())?;
+        derivatives.fill(self.columns_of_actuated_step(input, settings, outputs, next_act)?);
+        Ok(())
+    }
+
+    /// Computes the results of [`step_actuated`](Self::step_actuated), and the gradients of a
+    /// weighted sum of the state and the activations after it: see
+    /// [`step_actuated_vjp`](crate::Robot::step_actuated_vjp). Allocates memory at each call.
+    ///
+    /// # Errors
+    ///
+    /// If a slice does not have the model's length.
+    pub fn step_actuated_vjp(
+        &mut self,
+        input: ActuatedInput<'_, S>,
+        settings: &StepSettings<S, impl AsRef<[ContactSurface<S>]>>,
+        outputs: StepSolutionOutputs<'_, S>,
+        next_act: &mut [S],
+        gradients: StateGradients<'_, S>,
+    ) -> Result<(), ShapeError> {
+        let ActuatorInput { act, ctrl, .. } = input.actuators;
+        gradients.check([self.model.nv(), act.len(), ctrl.len()])?;
+        gradients.fill(&self.columns_of_actuated_step(input, settings, outputs, next_act)?);
+        Ok(())
+    }
+
+    /// Computes the results of [`step_actuated`](Self::step_actuated), and the change of the state
+    /// and the activations after it: see [`step_actuated_jvp`](crate::Robot::step_actuated_jvp).
+    /// Allocates memory at each call.
+    ///
+    /// # Errors
+    ///
+    /// If a slice does not have the model's length.
+    pub fn step_actuated_jvp(
+        &mut self,
+        input: ActuatedInput<'_, S>,
+        settings: &StepSettings<S, impl AsRef<[ContactSurface<S>]>>,
+        outputs: StepSolutionOutputs<'_, S>,
+        next_act: &mut [S],
+        change: StateChange<'_, S>,
+    ) -> Result<(), ShapeError> {
+        let ActuatorInput { act, ctrl, .. } = input.actuators;
+        change.check([self.model.nv(), act.len(), ctrl.len()])?;
+        change.fill(&self.columns_of_actuated_step(input, settings, outputs, next_act)?);
+        Ok(())
+    }
+
+    /// Computes a step, and returns the columns of the derivatives of the state after it.
+    fn columns_of_step(
+        &mut self,
+        input: StepInput<'_, S>,
+        settings: &StepSettings<S, impl AsRef<[ContactSurface<S>]>>,
+        outputs: StepSolutionOutputs<'_, S>,
+    ) -> Result<Vec<Vec<S>>, ShapeError> {
+        let StepSolutionOutputs { q, qd, qdd, forces, residual, iterations } = outputs;
+        let solution = StepSolutionOutputs { q, qd, qdd: &mut *qdd, forces, residual, iterations };
+        self.step(input, settings, solution)?;
+        let drive = StepDrive::Forces(input.step.tau);
+        let at_solution = StepInput { warm_start: qdd, ..input };
+        Ok(self.state_derivatives(at_solution, settings, |_| drive))
+    }
+
+    /// Computes a step under controls, and returns the columns of the derivatives of the state and
+    /// the activations after it.
+    fn columns_of_actuated_step(
+        &mut self,
+        input: ActuatedInput<'_, S>,
+        settings: &StepSettings<S, impl AsRef<[ContactSurface<S>]>>,
+        outputs: StepSolutionOutputs<'_, S>,
+        next_act: &mut [S],
+    ) -> Result<Vec<Vec<S>>, ShapeError> {
         let StepSolutionOutputs { q, qd, qdd, forces, residual, iterations } = outputs;
         let solution = StepSolutionOutputs { q, qd, qdd: &mut *qdd, forces, residual, iterations };
         self.step_actuated(input, settings, solution, next_act)?;
@@ -135,12 +305,8 @@ impl<S: Scalar> Interpreter<S> {
         let workspace = &mut ActuationWorkspace::new(model);
         let tau = input.forces(model, mechanism, workspace).tau;
         let at_solution = StepInput { warm_start: qdd, ..input.under(&tau) };
-        derivatives.fill(
-            self.state_derivatives(at_solution, settings, |model| {
-                StepDrive::Actuators(model, input)
-            }),
-        );
-        Ok(())
+        Ok(self
+            .state_derivatives(at_solution, settings, |model| StepDrive::Actuators(model, input)))
     }
 
     /// Returns the columns of the derivatives of the state after a step, whose input starts from its

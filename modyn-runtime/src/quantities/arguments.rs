@@ -118,6 +118,8 @@ pub(super) const DQ: Argument = Argument { name: "dq", kind: ArgumentKind::Veloc
 pub(super) const DQD: Argument = Argument { name: "dqd", kind: ArgumentKind::Velocities };
 pub(super) const DQDD: Argument = Argument { name: "dqdd", kind: ArgumentKind::Velocities };
 pub(super) const DTAU: Argument = Argument { name: "dtau", kind: ArgumentKind::Velocities };
+pub(super) const DCTRL: Argument = Argument { name: "dctrl", kind: ArgumentKind::Controls };
+pub(super) const DACT: Argument = Argument { name: "dact", kind: ArgumentKind::Activations };
 pub(super) const COTANGENT: Argument =
     Argument { name: "cotangent", kind: ArgumentKind::Velocities };
 pub(super) const WRENCH_COTANGENT: Argument =
@@ -125,6 +127,8 @@ pub(super) const WRENCH_COTANGENT: Argument =
 pub(super) const CTRL: Argument = Argument { name: "ctrl", kind: ArgumentKind::Controls };
 pub(super) const DT: Argument = Argument { name: "dt", kind: ArgumentKind::Time };
 pub(super) const COSTATE: Argument = Argument { name: "costate", kind: ArgumentKind::State };
+pub(super) const ACT_COSTATE: Argument =
+    Argument { name: "act_costate", kind: ArgumentKind::Activations };
 pub(super) const V: Argument = Argument { name: "v", kind: ArgumentKind::Velocities };
 pub(super) const FROM: Argument = Argument { name: "from", kind: ArgumentKind::Coordinates };
 pub(super) const TO: Argument = Argument { name: "to", kind: ArgumentKind::Coordinates };
@@ -155,6 +159,7 @@ pub const ARGUMENTS: &[Argument] = &[
     COTANGENT,
     WRENCH_COTANGENT,
     CTRL,
+    DCTRL,
     DT,
     COSTATE,
     V,
@@ -165,6 +170,8 @@ pub const ARGUMENTS: &[Argument] = &[
     CONTACTS,
     SETTINGS,
     ACT,
+    DACT,
+    ACT_COSTATE,
     APPLIED,
     WARM_START,
     STEP_SETTINGS,

@@ -161,6 +161,14 @@ pub enum Function {
     /// implicit function theorem at the solution; where a contact opens or closes, or a point
     /// begins to slide, they are one-sided.
     StepDerivatives,
+    /// Returns the results of `step`, and the gradients of `costate`^T state after it with respect
+    /// to the state before, `dx`, and to `tau`. A state has the entries of q (in tangent space),
+    /// then the entries of qd. At kinks they are as in `step_derivatives`.
+    StepVjp,
+    /// Returns the results of `step`, and the change `dx` of the state after it under the changes
+    /// `dq` (in tangent space), `dqd` and `dtau`. A state has the entries of q (in tangent space),
+    /// then the entries of qd. At kinks it is as in `step_derivatives`.
+    StepJvp,
     /// Returns the joint forces `tau` of the actuators under the controls `ctrl`, in the order of
     /// `CONTROL_NAMES`, and the activations after the time `dt` (s), in the order of
     /// `ACTIVATION_NAMES`. The laws are MuJoCo's: controls, forces, activations and joint forces
@@ -176,6 +184,16 @@ pub enum Function {
     /// the entries of q (in tangent space), the entries of qd, then `act`. All else is as in
     /// `step_derivatives`.
     StepActuatedDerivatives,
+    /// Returns the results of `step_actuated`, and the gradients of `costate`^T state +
+    /// `act_costate`^T act after it with respect to the state before, `dx`, and to `ctrl`. The
+    /// state `dx` has the entries of q (in tangent space), the entries of qd, then `act`. At kinks
+    /// they are as in `step_derivatives`.
+    StepActuatedVjp,
+    /// Returns the results of `step_actuated`, and the change `dx` of the state after it under the
+    /// changes `dq` (in tangent space), `dqd`, `dctrl` and `dact`. The state `dx` has the entries
+    /// of q (in tangent space), the entries of qd, then `act`. At kinks it is as in
+    /// `step_derivatives`.
+    StepActuatedJvp,
     /// Returns the joint forces of the accelerations `qdd`, the wrenches of the active contacts
     /// that carry the floating bases, and the rank of the contacts' columns of the bases. The
     /// wrenches have the smallest sum of (force^2 + (moment / l)^2) / weight with the

@@ -35,8 +35,8 @@ pub struct Row {
     pub depends_on_parameters: bool,
     /// Whether the function has a solver, which is a loop in its program.
     pub has_solver: bool,
-    /// The time step whose results the function has, with the derivatives of the state after it; for
-    /// a step with a solver.
+    /// The time step with a solver whose results the function has, with derivatives of the state
+    /// after it, or products with them.
     pub derivatives_of: Option<Function>,
     /// Whether the function needs inertia: a mass matrix that is not singular, or the mass of
     /// links. Robots whose links have none do not have it.

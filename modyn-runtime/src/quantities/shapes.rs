@@ -5,6 +5,9 @@ use alloc::{vec, vec::Vec};
 use super::shape::{Record, Shape, Sizes};
 use crate::model::PARAMETERS_PER_LINK;
 
+/// A field of a record: its name and layout.
+type Field = (&'static str, Shape);
+
 pub fn scalar(_: &Sizes) -> Shape {
     Shape::Scalar
 }
@@ -190,44 +193,57 @@ pub fn impact_dynamics(s: &Sizes) -> Shape {
     named_fields("ImpactDynamics", fields)
 }
 
-pub fn step_solution(s: &Sizes) -> Shape {
-    let motion = [("q", coordinates(s)), ("qd", velocities(s)), ("qdd", velocities(s))];
+/// Returns the record of a step with a solver: the state after it and how the solver ended, and
+/// `further` fields between them.
+fn solved(name: &'static str, state: &[Field], further: &[Field]) -> Shape {
     let solver = [("residual", Shape::Scalar), ("iterations", Shape::Scalar)];
-    let forces = [("forces", point_forces(s))];
-    Shape::Record(Record::ResultsByField("StepSolution"), [&motion[..], &forces, &solver].concat())
+    Shape::Record(Record::ResultsByField(name), [state, further, &solver].concat())
+}
+
+fn solved_state(s: &Sizes) -> Vec<Field> {
+    let motion = [("q", coordinates(s)), ("qd", velocities(s)), ("qdd", velocities(s))];
+    [&motion[..], &[("forces", point_forces(s))]].concat()
+}
+
+fn solved_actuated_state(s: &Sizes) -> Vec<Field> {
+    let motion = [("q", coordinates(s)), ("qd", velocities(s)), ("act", activations(s))];
+    [&motion[..], &[("qdd", velocities(s)), ("forces", point_forces(s))]].concat()
+}
+
+pub fn step_solution(s: &Sizes) -> Shape {
+    solved("StepSolution", &solved_state(s), &[])
 }
 
 pub fn linearized_step(s: &Sizes) -> Shape {
-    let motion = [("q", coordinates(s)), ("qd", velocities(s)), ("qdd", velocities(s))];
-    let forces = [("forces", point_forces(s))];
     let matrices = [("a", Shape::matrix(2 * s.nv, 2 * s.nv)), ("b", Shape::matrix(s.nv, 2 * s.nv))];
-    let solver = [("residual", Shape::Scalar), ("iterations", Shape::Scalar)];
-    Shape::Record(
-        Record::ResultsByField("LinearizedStep"),
-        [&motion[..], &forces, &matrices, &solver].concat(),
-    )
+    solved("LinearizedStep", &solved_state(s), &matrices)
+}
+
+pub fn step_vjp(s: &Sizes) -> Shape {
+    solved("StepVjp", &solved_state(s), &[("dx", state(s)), ("dtau", velocities(s))])
+}
+
+pub fn step_jvp(s: &Sizes) -> Shape {
+    solved("StepJvp", &solved_state(s), &[("dx", state(s))])
 }
 
 pub fn actuated_step(s: &Sizes) -> Shape {
-    let motion = [("q", coordinates(s)), ("qd", velocities(s)), ("act", activations(s))];
-    let solution = [("qdd", velocities(s)), ("forces", point_forces(s))];
-    let solver = [("residual", Shape::Scalar), ("iterations", Shape::Scalar)];
-    Shape::Record(
-        Record::ResultsByField("ActuatedStep"),
-        [&motion[..], &solution, &solver].concat(),
-    )
+    solved("ActuatedStep", &solved_actuated_state(s), &[])
 }
 
 pub fn linearized_actuated_step(s: &Sizes) -> Shape {
-    let motion = [("q", coordinates(s)), ("qd", velocities(s)), ("act", activations(s))];
-    let solution = [("qdd", velocities(s)), ("forces", point_forces(s))];
     let states = 2 * s.nv + s.activations;
     let matrices = [("a", Shape::matrix(states, states)), ("b", Shape::matrix(s.controls, states))];
-    let solver = [("residual", Shape::Scalar), ("iterations", Shape::Scalar)];
-    Shape::Record(
-        Record::ResultsByField("LinearizedActuatedStep"),
-        [&motion[..], &solution, &matrices, &solver].concat(),
-    )
+    solved("LinearizedActuatedStep", &solved_actuated_state(s), &matrices)
+}
+
+pub fn actuated_step_vjp(s: &Sizes) -> Shape {
+    let gradients = [("dx", actuated_state(s)), ("dctrl", controls(s))];
+    solved("ActuatedStepVjp", &solved_actuated_state(s), &gradients)
+}
+
+pub fn actuated_step_jvp(s: &Sizes) -> Shape {
+    solved("ActuatedStepJvp", &solved_actuated_state(s), &[("dx", actuated_state(s))])
 }
 
 pub fn actuator_forces(s: &Sizes) -> Shape {
@@ -262,6 +278,11 @@ pub fn constraint_projection(s: &Sizes) -> Shape {
 
 pub fn state(s: &Sizes) -> Shape {
     Shape::vector(2 * s.nv)
+}
+
+/// The state and the activations.
+pub fn actuated_state(s: &Sizes) -> Shape {
+    Shape::vector(2 * s.nv + s.activations)
 }
 
 pub fn wrenches(s: &Sizes) -> Shape {

@@ -9,8 +9,9 @@
 //! methods of the Python package, and the list of functions for tests.
 
 use super::arguments::{
-    ACT, APPLIED, CONTACTS, COSTATE, COTANGENT, CTRL, DQ, DQD, DQDD, DT, DTAU, FORCES, FROM, Q, QD,
-    QDD, SETTINGS, STEP_SETTINGS, TAU, TO, UNIFORMS, V, WARM_START, WRENCH_COTANGENT,
+    ACT, ACT_COSTATE, APPLIED, CONTACTS, COSTATE, COTANGENT, CTRL, DACT, DCTRL, DQ, DQD, DQDD, DT,
+    DTAU, FORCES, FROM, Q, QD, QDD, SETTINGS, STEP_SETTINGS, TAU, TO, UNIFORMS, V, WARM_START,
+    WRENCH_COTANGENT,
 };
 use super::function::Function;
 use super::row::Row;
@@ -492,6 +493,32 @@ pub const ROWS: &[Row] = &[
         ..Row::INERTIAL
     },
     Row {
+        function: Function::StepVjp,
+        name: "step_vjp",
+        known_as: &["reverse-mode differentiation", "adjoint"],
+        arguments: &[Q, QD, TAU, DT, COSTATE, WARM_START, STEP_SETTINGS],
+        result: shapes::step_vjp,
+        docs: "Returns the results of `step`, and the gradients of `costate`^T state after it with \
+            respect to the state before, `dx`, and to `tau`. A state has the entries of q (in \
+            tangent space), then the entries of qd. At kinks they are as in `step_derivatives`.",
+        has_solver: true,
+        derivatives_of: Some(Function::Step),
+        ..Row::INERTIAL
+    },
+    Row {
+        function: Function::StepJvp,
+        name: "step_jvp",
+        known_as: &["forward-mode differentiation"],
+        arguments: &[Q, QD, TAU, DQ, DQD, DTAU, DT, WARM_START, STEP_SETTINGS],
+        result: shapes::step_jvp,
+        docs: "Returns the results of `step`, and the change `dx` of the state after it under the \
+            changes `dq` (in tangent space), `dqd` and `dtau`. A state has the entries of q (in \
+            tangent space), then the entries of qd. At kinks it is as in `step_derivatives`.",
+        has_solver: true,
+        derivatives_of: Some(Function::Step),
+        ..Row::INERTIAL
+    },
+    Row {
         function: Function::Actuate,
         name: "actuate",
         known_as: &["mj_fwdActuation"],
@@ -531,6 +558,60 @@ pub const ROWS: &[Row] = &[
             `a` with respect to the state before and `b` with respect to `ctrl`, arrays of \
             columns. A state has the entries of q (in tangent space), the entries of qd, then \
             `act`. All else is as in `step_derivatives`.",
+        of_actuators: true,
+        has_solver: true,
+        derivatives_of: Some(Function::StepActuated),
+        ..Row::INERTIAL
+    },
+    Row {
+        function: Function::StepActuatedVjp,
+        name: "step_actuated_vjp",
+        known_as: &["reverse-mode differentiation", "adjoint"],
+        arguments: &[
+            Q,
+            QD,
+            CTRL,
+            DT,
+            COSTATE,
+            ACT,
+            ACT_COSTATE,
+            APPLIED,
+            WARM_START,
+            STEP_SETTINGS,
+        ],
+        result: shapes::actuated_step_vjp,
+        docs: "Returns the results of `step_actuated`, and the gradients of `costate`^T state + \
+            `act_costate`^T act after it with respect to the state before, `dx`, and to `ctrl`. \
+            The state `dx` has the entries of q (in tangent space), the entries of qd, then `act`. \
+            At kinks they are as in `step_derivatives`.",
+        of_actuators: true,
+        has_solver: true,
+        derivatives_of: Some(Function::StepActuated),
+        ..Row::INERTIAL
+    },
+    Row {
+        function: Function::StepActuatedJvp,
+        name: "step_actuated_jvp",
+        known_as: &["forward-mode differentiation"],
+        arguments: &[
+            Q,
+            QD,
+            DQ,
+            DQD,
+            CTRL,
+            DCTRL,
+            DT,
+            ACT,
+            DACT,
+            APPLIED,
+            WARM_START,
+            STEP_SETTINGS,
+        ],
+        result: shapes::actuated_step_jvp,
+        docs: "Returns the results of `step_actuated`, and the change `dx` of the state after it \
+            under the changes `dq` (in tangent space), `dqd`, `dctrl` and `dact`. The state `dx` \
+            has the entries of q (in tangent space), the entries of qd, then `act`. At kinks it is \
+            as in `step_derivatives`.",
         of_actuators: true,
         has_solver: true,
         derivatives_of: Some(Function::StepActuated),

@@ -11,13 +11,14 @@ use crate::constants::{JointLimits, KinematicModule, ShapeCenter};
 use crate::constraint_settings::{ConstraintSettings, ContactSet, ContactTarget};
 use crate::functions::{self, not_generated};
 use crate::results::{
-    ActuatedStep, ActuatorForces, CentroidalMomentumDerivatives, ConstrainedForwardDynamics,
-    ConstrainedForwardDynamicsDerivatives, ConstrainedForwardDynamicsHessian,
-    ConstrainedInverseDynamics, ConstraintProjection, ConstraintResidual, DifferenceDerivatives,
-    ForwardDynamicsDerivatives, ForwardDynamicsHessian, ForwardDynamicsJvp, ForwardDynamicsVjp,
-    GeneralizedForces, ImpactDynamics, IntegrateDerivatives, InverseDynamicsDerivatives,
-    InverseDynamicsHessian, InverseDynamicsJvp, InverseDynamicsVjp, LinearizedActuatedStep,
-    LinearizedStep, OperationalSpaceInertia, Step, StepDerivatives, StepHessian, StepSolution,
+    ActuatedStep, ActuatedStepJvp, ActuatedStepVjp, ActuatorForces, CentroidalMomentumDerivatives,
+    ConstrainedForwardDynamics, ConstrainedForwardDynamicsDerivatives,
+    ConstrainedForwardDynamicsHessian, ConstrainedInverseDynamics, ConstraintProjection,
+    ConstraintResidual, DifferenceDerivatives, ForwardDynamicsDerivatives, ForwardDynamicsHessian,
+    ForwardDynamicsJvp, ForwardDynamicsVjp, GeneralizedForces, ImpactDynamics,
+    IntegrateDerivatives, InverseDynamicsDerivatives, InverseDynamicsHessian, InverseDynamicsJvp,
+    InverseDynamicsVjp, LinearizedActuatedStep, LinearizedStep, OperationalSpaceInertia, Step,
+    StepDerivatives, StepHessian, StepJvp, StepSolution, StepVjp,
 };
 use crate::spatial::{Momentum, Pose, Twist, Vector3, Wrench};
 use crate::step_settings::{ContactSurface, StepSettings};
@@ -1382,6 +1383,140 @@ pub trait Robot {
         )
     }
 
+    /// Returns the results of `step`, and the gradients of `costate`^T state after it with respect
+    /// to the state before, `dx`, and to `tau`. A state has the entries of q (in tangent space),
+    /// then the entries of qd. At kinks they are as in `step_derivatives`.
+    #[doc(alias = "reverse-mode differentiation")]
+    #[doc(alias = "adjoint")]
+    fn step_vjp_with<T: Scalar>(
+        params: &Self::Params<T>,
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        tau: &Self::V<T>,
+        dt: T,
+        costate: &Self::PerState<T>,
+        warm_start: &Self::V<T>,
+        step_settings: &StepSettings<T, Self::PerTouchingShape<ContactSurface<T>>>,
+    ) -> StepVjp<
+        Self::Q<T>,
+        Self::V<T>,
+        Self::V<T>,
+        Self::PerTouchingPoint<Vector3<T>>,
+        Self::PerState<T>,
+        Self::V<T>,
+        T,
+        T,
+    >
+    where
+        Self: functions::StepVjp,
+    {
+        const { not_generated() }
+    }
+
+    /// Calls [`step_vjp_with`](Self::step_vjp_with) with the default parameters.
+    #[doc(alias = "reverse-mode differentiation")]
+    #[doc(alias = "adjoint")]
+    fn step_vjp<T: Scalar>(
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        tau: &Self::V<T>,
+        dt: T,
+        costate: &Self::PerState<T>,
+        warm_start: &Self::V<T>,
+        step_settings: &StepSettings<T, Self::PerTouchingShape<ContactSurface<T>>>,
+    ) -> StepVjp<
+        Self::Q<T>,
+        Self::V<T>,
+        Self::V<T>,
+        Self::PerTouchingPoint<Vector3<T>>,
+        Self::PerState<T>,
+        Self::V<T>,
+        T,
+        T,
+    >
+    where
+        Self: functions::StepVjp,
+    {
+        Self::step_vjp_with(
+            &Self::Params::<T>::default(),
+            q,
+            qd,
+            tau,
+            dt,
+            costate,
+            warm_start,
+            step_settings,
+        )
+    }
+
+    /// Returns the results of `step`, and the change `dx` of the state after it under the changes
+    /// `dq` (in tangent space), `dqd` and `dtau`. A state has the entries of q (in tangent space),
+    /// then the entries of qd. At kinks it is as in `step_derivatives`.
+    #[doc(alias = "forward-mode differentiation")]
+    fn step_jvp_with<T: Scalar>(
+        params: &Self::Params<T>,
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        tau: &Self::V<T>,
+        dq: &Self::V<T>,
+        dqd: &Self::V<T>,
+        dtau: &Self::V<T>,
+        dt: T,
+        warm_start: &Self::V<T>,
+        step_settings: &StepSettings<T, Self::PerTouchingShape<ContactSurface<T>>>,
+    ) -> StepJvp<
+        Self::Q<T>,
+        Self::V<T>,
+        Self::V<T>,
+        Self::PerTouchingPoint<Vector3<T>>,
+        Self::PerState<T>,
+        T,
+        T,
+    >
+    where
+        Self: functions::StepJvp,
+    {
+        const { not_generated() }
+    }
+
+    /// Calls [`step_jvp_with`](Self::step_jvp_with) with the default parameters.
+    #[doc(alias = "forward-mode differentiation")]
+    fn step_jvp<T: Scalar>(
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        tau: &Self::V<T>,
+        dq: &Self::V<T>,
+        dqd: &Self::V<T>,
+        dtau: &Self::V<T>,
+        dt: T,
+        warm_start: &Self::V<T>,
+        step_settings: &StepSettings<T, Self::PerTouchingShape<ContactSurface<T>>>,
+    ) -> StepJvp<
+        Self::Q<T>,
+        Self::V<T>,
+        Self::V<T>,
+        Self::PerTouchingPoint<Vector3<T>>,
+        Self::PerState<T>,
+        T,
+        T,
+    >
+    where
+        Self: functions::StepJvp,
+    {
+        Self::step_jvp_with(
+            &Self::Params::<T>::default(),
+            q,
+            qd,
+            tau,
+            dq,
+            dqd,
+            dtau,
+            dt,
+            warm_start,
+            step_settings,
+        )
+    }
+
     /// Returns the joint forces `tau` of the actuators under the controls `ctrl`, in the order of
     /// `CONTROL_NAMES`, and the activations after the time `dt` (s), in the order of
     /// `ACTIVATION_NAMES`. The laws are MuJoCo's: controls, forces, activations and joint forces
@@ -1533,6 +1668,164 @@ pub trait Robot {
             ctrl,
             dt,
             act,
+            applied,
+            warm_start,
+            step_settings,
+        )
+    }
+
+    /// Returns the results of `step_actuated`, and the gradients of `costate`^T state +
+    /// `act_costate`^T act after it with respect to the state before, `dx`, and to `ctrl`. The
+    /// state `dx` has the entries of q (in tangent space), the entries of qd, then `act`. At kinks
+    /// they are as in `step_derivatives`.
+    #[doc(alias = "reverse-mode differentiation")]
+    #[doc(alias = "adjoint")]
+    fn step_actuated_vjp_with<T: Scalar>(
+        params: &Self::Params<T>,
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        ctrl: &Self::PerControl<T>,
+        dt: T,
+        costate: &Self::PerState<T>,
+        act: &Self::PerActivation<T>,
+        act_costate: &Self::PerActivation<T>,
+        applied: &Self::V<T>,
+        warm_start: &Self::V<T>,
+        step_settings: &StepSettings<T, Self::PerTouchingShape<ContactSurface<T>>>,
+    ) -> ActuatedStepVjp<
+        Self::Q<T>,
+        Self::V<T>,
+        Self::PerActivation<T>,
+        Self::V<T>,
+        Self::PerTouchingPoint<Vector3<T>>,
+        Self::PerActuatedState<T>,
+        Self::PerControl<T>,
+        T,
+        T,
+    >
+    where
+        Self: functions::StepActuatedVjp,
+    {
+        const { not_generated() }
+    }
+
+    /// Calls [`step_actuated_vjp_with`](Self::step_actuated_vjp_with) with the default parameters.
+    #[doc(alias = "reverse-mode differentiation")]
+    #[doc(alias = "adjoint")]
+    fn step_actuated_vjp<T: Scalar>(
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        ctrl: &Self::PerControl<T>,
+        dt: T,
+        costate: &Self::PerState<T>,
+        act: &Self::PerActivation<T>,
+        act_costate: &Self::PerActivation<T>,
+        applied: &Self::V<T>,
+        warm_start: &Self::V<T>,
+        step_settings: &StepSettings<T, Self::PerTouchingShape<ContactSurface<T>>>,
+    ) -> ActuatedStepVjp<
+        Self::Q<T>,
+        Self::V<T>,
+        Self::PerActivation<T>,
+        Self::V<T>,
+        Self::PerTouchingPoint<Vector3<T>>,
+        Self::PerActuatedState<T>,
+        Self::PerControl<T>,
+        T,
+        T,
+    >
+    where
+        Self: functions::StepActuatedVjp,
+    {
+        Self::step_actuated_vjp_with(
+            &Self::Params::<T>::default(),
+            q,
+            qd,
+            ctrl,
+            dt,
+            costate,
+            act,
+            act_costate,
+            applied,
+            warm_start,
+            step_settings,
+        )
+    }
+
+    /// Returns the results of `step_actuated`, and the change `dx` of the state after it under the
+    /// changes `dq` (in tangent space), `dqd`, `dctrl` and `dact`. The state `dx` has the entries
+    /// of q (in tangent space), the entries of qd, then `act`. At kinks it is as in
+    /// `step_derivatives`.
+    #[doc(alias = "forward-mode differentiation")]
+    fn step_actuated_jvp_with<T: Scalar>(
+        params: &Self::Params<T>,
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        dq: &Self::V<T>,
+        dqd: &Self::V<T>,
+        ctrl: &Self::PerControl<T>,
+        dctrl: &Self::PerControl<T>,
+        dt: T,
+        act: &Self::PerActivation<T>,
+        dact: &Self::PerActivation<T>,
+        applied: &Self::V<T>,
+        warm_start: &Self::V<T>,
+        step_settings: &StepSettings<T, Self::PerTouchingShape<ContactSurface<T>>>,
+    ) -> ActuatedStepJvp<
+        Self::Q<T>,
+        Self::V<T>,
+        Self::PerActivation<T>,
+        Self::V<T>,
+        Self::PerTouchingPoint<Vector3<T>>,
+        Self::PerActuatedState<T>,
+        T,
+        T,
+    >
+    where
+        Self: functions::StepActuatedJvp,
+    {
+        const { not_generated() }
+    }
+
+    /// Calls [`step_actuated_jvp_with`](Self::step_actuated_jvp_with) with the default parameters.
+    #[doc(alias = "forward-mode differentiation")]
+    fn step_actuated_jvp<T: Scalar>(
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        dq: &Self::V<T>,
+        dqd: &Self::V<T>,
+        ctrl: &Self::PerControl<T>,
+        dctrl: &Self::PerControl<T>,
+        dt: T,
+        act: &Self::PerActivation<T>,
+        dact: &Self::PerActivation<T>,
+        applied: &Self::V<T>,
+        warm_start: &Self::V<T>,
+        step_settings: &StepSettings<T, Self::PerTouchingShape<ContactSurface<T>>>,
+    ) -> ActuatedStepJvp<
+        Self::Q<T>,
+        Self::V<T>,
+        Self::PerActivation<T>,
+        Self::V<T>,
+        Self::PerTouchingPoint<Vector3<T>>,
+        Self::PerActuatedState<T>,
+        T,
+        T,
+    >
+    where
+        Self: functions::StepActuatedJvp,
+    {
+        Self::step_actuated_jvp_with(
+            &Self::Params::<T>::default(),
+            q,
+            qd,
+            dq,
+            dqd,
+            ctrl,
+            dctrl,
+            dt,
+            act,
+            dact,
             applied,
             warm_start,
             step_settings,

@@ -68,6 +68,7 @@ fn argument(name: &str, shape: &Shape) -> String {
             "`StepSettings`, by default the result of `step_settings()`".into()
         }
         ("warm_start" | "applied", _) => "(nv,), by default zeros".into(),
+        ("act_costate" | "dact", _) => "(activations,), by default zeros".into(),
         ("act", _) => "(activations,), which a robot without activations leaves out".into(),
         ("contacts", _) => {
             "the names of the active contacts, or (contacts,), 1 for each active one, else 0; by default all are".into()
@@ -221,7 +222,9 @@ fn python(name: &str) -> &str {
 
 /// Returns whether an argument has a default.
 fn is_optional(name: &str) -> bool {
-    matches!(name, "contacts" | "settings" | "warm_start" | "act" | "applied")
+    let optional =
+        ["contacts", "settings", "warm_start", "act", "act_costate", "dact", "applied"];
+    optional.contains(&name)
 }
 
 /// Returns the methods in Rust.

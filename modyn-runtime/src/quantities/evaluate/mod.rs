@@ -164,9 +164,13 @@ fn compute<S: Scalar>(function: Function, call: Call<'_, S>) -> Result<(), Frame
         F::ImpactDynamics | F::ImpactDynamicsBatch => call.impact_dynamics(),
         F::Step => call.step()?,
         F::StepDerivatives => call.step_derivatives()?,
+        F::StepVjp => call.step_vjp()?,
+        F::StepJvp => call.step_jvp()?,
         F::Actuate | F::ActuateBatch => call.actuate()?,
         F::StepActuated => call.step_actuated()?,
         F::StepActuatedDerivatives => call.step_actuated_derivatives()?,
+        F::StepActuatedVjp => call.step_actuated_vjp()?,
+        F::StepActuatedJvp => call.step_actuated_jvp()?,
         F::ConstrainedInverseDynamics | F::ConstrainedInverseDynamicsBatch => {
             call.constrained_inverse_dynamics()
         }

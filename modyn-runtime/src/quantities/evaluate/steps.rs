@@ -1,11 +1,11 @@
 //! The evaluation of time steps and actuators.
 
-use super::super::arguments::COSTATE;
+use super::super::arguments::{ACT_COSTATE, COSTATE, DACT, DCTRL, DQ, DQD, DTAU};
 use super::call::Call;
 use crate::Scalar;
 use crate::interpreter::{
-    ActuatorOutputs, ShapeError, StateDerivatives, StepHessianOutputs, StepOutputs,
-    StepSolutionOutputs,
+    ActuatorOutputs, ShapeError, StateChange, StateDerivatives, StateGradients, StepHessianOutputs,
+    StepOutputs, StepSolutionOutputs,
 };
 
 impl<S: Scalar> Call<'_, S> {
@@ -75,6 +75,25 @@ impl<S: Scalar> Call<'_, S> {
         robot.step_derivatives(given.step_input(), &given.step_settings(), outputs, derivatives)
     }
 
+    pub(super) fn step_vjp(self) -> Result<(), ShapeError> {
+        let Self { robot, given, out } = self;
+        let [q, qd, qdd, forces, dx, du, residual, iterations] = out.parts();
+        let [residual, iterations] = [residual, iterations].map(|number| &mut number[0]);
+        let outputs = StepSolutionOutputs { q, qd, qdd, forces, residual, iterations };
+        let gradients = StateGradients { costate: &given[COSTATE], act_costate: &[], dx, du };
+        robot.step_vjp(given.step_input(), &given.step_settings(), outputs, gradients)
+    }
+
+    pub(super) fn step_jvp(self) -> Result<(), ShapeError> {
+        let Self { robot, given, out } = self;
+        let [q, qd, qdd, forces, dx, residual, iterations] = out.parts();
+        let [residual, iterations] = [residual, iterations].map(|number| &mut number[0]);
+        let outputs = StepSolutionOutputs { q, qd, qdd, forces, residual, iterations };
+        let [dq, dqd, du] = [DQ, DQD, DTAU].map(|argument| &given[argument]);
+        let change = StateChange { dq, dqd, dact: &[], du, dx };
+        robot.step_jvp(given.step_input(), &given.step_settings(), outputs, change)
+    }
+
     pub(super) fn step_actuated(self) -> Result<(), ShapeError> {
         let Self { robot, given, out } = self;
         let [q, qd, act, qdd, forces, residual, iterations] = out.parts();
@@ -91,5 +110,27 @@ impl<S: Scalar> Call<'_, S> {
         let derivatives = StateDerivatives { a, b };
         let input = given.actuated_input();
         robot.step_actuated_derivatives(input, &given.step_settings(), outputs, act, derivatives)
+    }
+
+    pub(super) fn step_actuated_vjp(self) -> Result<(), ShapeError> {
+        let Self { robot, given, out } = self;
+        let [q, qd, act, qdd, forces, dx, du, residual, iterations] = out.parts();
+        let [residual, iterations] = [residual, iterations].map(|number| &mut number[0]);
+        let outputs = StepSolutionOutputs { q, qd, qdd, forces, residual, iterations };
+        let [costate, act_costate] = [COSTATE, ACT_COSTATE].map(|argument| &given[argument]);
+        let gradients = StateGradients { costate, act_costate, dx, du };
+        let input = given.actuated_input();
+        robot.step_actuated_vjp(input, &given.step_settings(), outputs, act, gradients)
+    }
+
+    pub(super) fn step_actuated_jvp(self) -> Result<(), ShapeError> {
+        let Self { robot, given, out } = self;
+        let [q, qd, act, qdd, forces, dx, residual, iterations] = out.parts();
+        let [residual, iterations] = [residual, iterations].map(|number| &mut number[0]);
+        let outputs = StepSolutionOutputs { q, qd, qdd, forces, residual, iterations };
+        let [dq, dqd, dact, du] = [DQ, DQD, DACT, DCTRL].map(|argument| &given[argument]);
+        let change = StateChange { dq, dqd, dact, du, dx };
+        let input = given.actuated_input();
+        robot.step_actuated_jvp(input, &given.step_settings(), outputs, act, change)
     }
 }
