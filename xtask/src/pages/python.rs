@@ -222,8 +222,7 @@ fn python(name: &str) -> &str {
 
 /// Returns whether an argument has a default.
 fn is_optional(name: &str) -> bool {
-    let optional =
-        ["contacts", "settings", "warm_start", "act", "act_costate", "dact", "applied"];
+    let optional = ["contacts", "settings", "warm_start", "act", "act_costate", "dact", "applied"];
     optional.contains(&name)
 }
 
