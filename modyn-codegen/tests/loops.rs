@@ -870,7 +870,7 @@ fn generated_code_says_which_loops_it_closes() {
     ] {
         assert!(closed.text.contains(part), "{part}\n{}", closed.text);
     }
-    // The zero rows of an aligned linkage are folded away; docs/internals/constraints.md says so. With rows in a fixed order, and
+    // The zero rows of an aligned linkage are folded away. With rows in a fixed order, and
     // without rank and residuals, the counts were 186 and 4; pivoting and the norm of the forces add the rest.
     let count = closed.operations.iter().find(|(name, _)| *name == "constrained_forward_dynamics");
     assert_eq!(count.map(|(_, count)| (count.total(), count.others)), Some((223, 18)));
