@@ -121,7 +121,12 @@ pub const FLEET: &[Spec] = &[
     spec(Golden("solo12"), Chains, F64).floating().shared().part(Legged),
     spec(Golden("g1"), Chains, F64).floating().shared().part(Legged),
     spec(Described("quadruped"), Links, F64).floating().shared(),
-    spec(Described("mimic_gripper"), Chains, F64).resisted(Friction::Coulomb).all(),
+    spec(Described("mimic_gripper"), Chains, F64).resisted(Friction::Coulomb),
+    spec(Described("mimic_gripper"), Links, F64)
+        .floating()
+        .resisted(Friction::Coulomb)
+        .all()
+        .part(Complete),
     spec(Described("four_bar"), Chains, F64),
     spec(Described("joint_zoo"), Chains, F64)
         .resisted(Friction::Smooth(0.02))

@@ -114,7 +114,7 @@ pub fn large() -> Case {
 
 /// Returns robots of every other kind: all joint types, closed loops, mimic joints, run-time parameters, equal limbs in
 /// routines, loops over bodies, products of matrices in loops, dependent rows of contacts, many
-/// links on one body, bundles, functions of the user, a solver, tendons, and actuators.
+/// links on one body, bundles, functions of the user, a solver and its derivatives, tendons, and actuators.
 ///
 /// # Panics
 ///
@@ -207,7 +207,9 @@ fn solver() -> Builder {
     let text = text.replace(axis, &format!(r#"{axis}<dynamics damping="0.1" friction="0.3"/>"#));
     let toe = contact("toe", ContactKind::Point, "lower", [0.1, 0.2, -0.3]);
     let pendulum = Builder::new().urdf_text(text, "double_pendulum.urdf").contacts([toe]);
-    pendulum.friction(Friction::Coulomb).runtime_gravity().functions([Function::Step])
+    let functions =
+        [Function::Step, Function::StepDerivatives, Function::StepVjp, Function::StepJvp];
+    pendulum.friction(Friction::Coulomb).runtime_gravity().functions(functions)
 }
 
 /// Returns a gripper with tendons and a coupling, one finger of which is a mimic joint.
