@@ -8,6 +8,13 @@ use crate::interpreter::{
     StepOutputs, StepSolutionOutputs,
 };
 
+/// Returns the outputs of the solver of a step.
+fn solution<S>(parts: [&mut [S]; 6]) -> StepSolutionOutputs<'_, S> {
+    let [q, qd, qdd, forces, residual, iterations] = parts;
+    let [residual, iterations] = [residual, iterations].map(|number| &mut number[0]);
+    StepSolutionOutputs { q, qd, qdd, forces, residual, iterations }
+}
+
 impl<S: Scalar> Call<'_, S> {
     pub(super) fn step_semi_implicit(self) -> Result<(), ShapeError> {
         let Self { robot, given, out } = self;
@@ -61,16 +68,14 @@ impl<S: Scalar> Call<'_, S> {
     pub(super) fn step(self) -> Result<(), ShapeError> {
         let Self { robot, given, out } = self;
         let [q, qd, qdd, forces, residual, iterations] = out.parts();
-        let [residual, iterations] = [residual, iterations].map(|number| &mut number[0]);
-        let outputs = StepSolutionOutputs { q, qd, qdd, forces, residual, iterations };
+        let outputs = solution([q, qd, qdd, forces, residual, iterations]);
         robot.step(given.step_input(), &given.step_settings(), outputs)
     }
 
     pub(super) fn step_derivatives(self) -> Result<(), ShapeError> {
         let Self { robot, given, out } = self;
         let [q, qd, qdd, forces, a, b, residual, iterations] = out.parts();
-        let [residual, iterations] = [residual, iterations].map(|number| &mut number[0]);
-        let outputs = StepSolutionOutputs { q, qd, qdd, forces, residual, iterations };
+        let outputs = solution([q, qd, qdd, forces, residual, iterations]);
         let derivatives = StateDerivatives { a, b };
         robot.step_derivatives(given.step_input(), &given.step_settings(), outputs, derivatives)
     }
@@ -78,8 +83,7 @@ impl<S: Scalar> Call<'_, S> {
     pub(super) fn step_vjp(self) -> Result<(), ShapeError> {
         let Self { robot, given, out } = self;
         let [q, qd, qdd, forces, dx, du, residual, iterations] = out.parts();
-        let [residual, iterations] = [residual, iterations].map(|number| &mut number[0]);
-        let outputs = StepSolutionOutputs { q, qd, qdd, forces, residual, iterations };
+        let outputs = solution([q, qd, qdd, forces, residual, iterations]);
         let gradients = StateGradients { costate: &given[COSTATE], act_costate: &[], dx, du };
         robot.step_vjp(given.step_input(), &given.step_settings(), outputs, gradients)
     }
@@ -87,8 +91,7 @@ impl<S: Scalar> Call<'_, S> {
     pub(super) fn step_jvp(self) -> Result<(), ShapeError> {
         let Self { robot, given, out } = self;
         let [q, qd, qdd, forces, dx, residual, iterations] = out.parts();
-        let [residual, iterations] = [residual, iterations].map(|number| &mut number[0]);
-        let outputs = StepSolutionOutputs { q, qd, qdd, forces, residual, iterations };
+        let outputs = solution([q, qd, qdd, forces, residual, iterations]);
         let [dq, dqd, du] = [DQ, DQD, DTAU].map(|argument| &given[argument]);
         let change = StateChange { dq, dqd, dact: &[], du, dx };
         robot.step_jvp(given.step_input(), &given.step_settings(), outputs, change)
@@ -97,16 +100,14 @@ impl<S: Scalar> Call<'_, S> {
     pub(super) fn step_actuated(self) -> Result<(), ShapeError> {
         let Self { robot, given, out } = self;
         let [q, qd, act, qdd, forces, residual, iterations] = out.parts();
-        let [residual, iterations] = [residual, iterations].map(|number| &mut number[0]);
-        let outputs = StepSolutionOutputs { q, qd, qdd, forces, residual, iterations };
+        let outputs = solution([q, qd, qdd, forces, residual, iterations]);
         robot.step_actuated(given.actuated_input(), &given.step_settings(), outputs, act)
     }
 
     pub(super) fn step_actuated_derivatives(self) -> Result<(), ShapeError> {
         let Self { robot, given, out } = self;
         let [q, qd, act, qdd, forces, a, b, residual, iterations] = out.parts();
-        let [residual, iterations] = [residual, iterations].map(|number| &mut number[0]);
-        let outputs = StepSolutionOutputs { q, qd, qdd, forces, residual, iterations };
+        let outputs = solution([q, qd, qdd, forces, residual, iterations]);
         let derivatives = StateDerivatives { a, b };
         let input = given.actuated_input();
         robot.step_actuated_derivatives(input, &given.step_settings(), outputs, act, derivatives)
@@ -115,8 +116,7 @@ impl<S: Scalar> Call<'_, S> {
     pub(super) fn step_actuated_vjp(self) -> Result<(), ShapeError> {
         let Self { robot, given, out } = self;
         let [q, qd, act, qdd, forces, dx, du, residual, iterations] = out.parts();
-        let [residual, iterations] = [residual, iterations].map(|number| &mut number[0]);
-        let outputs = StepSolutionOutputs { q, qd, qdd, forces, residual, iterations };
+        let outputs = solution([q, qd, qdd, forces, residual, iterations]);
         let [costate, act_costate] = [COSTATE, ACT_COSTATE].map(|argument| &given[argument]);
         let gradients = StateGradients { costate, act_costate, dx, du };
         let input = given.actuated_input();
@@ -126,8 +126,7 @@ impl<S: Scalar> Call<'_, S> {
     pub(super) fn step_actuated_jvp(self) -> Result<(), ShapeError> {
         let Self { robot, given, out } = self;
         let [q, qd, act, qdd, forces, dx, residual, iterations] = out.parts();
-        let [residual, iterations] = [residual, iterations].map(|number| &mut number[0]);
-        let outputs = StepSolutionOutputs { q, qd, qdd, forces, residual, iterations };
+        let outputs = solution([q, qd, qdd, forces, residual, iterations]);
         let [dq, dqd, dact, du] = [DQ, DQD, DACT, DCTRL].map(|argument| &given[argument]);
         let change = StateChange { dq, dqd, dact, du, dx };
         let input = given.actuated_input();
