@@ -28,14 +28,14 @@ fn commands(page: &str) -> Vec<String> {
 
 /// Returns the arguments of a command, as a shell splits them.
 fn arguments(line: &str) -> Vec<&str> {
-    let mut found = Vec::new();
+    let mut words = Vec::new();
     for (number, part) in line.split('\'').enumerate() {
         match number % 2 {
-            0 => found.extend(part.split_whitespace()),
-            _ => found.push(part),
+            0 => words.extend(part.split_whitespace()),
+            _ => words.push(part),
         }
     }
-    found.split_off(1)
+    words.split_off(1)
 }
 
 #[test]

@@ -91,7 +91,8 @@ pub(super) fn speed() -> String {
     // The legend.
     let mut x = PLACES[0];
     for program in PROGRAMS {
-        let (mark, title) = (program.mark(x, 16.0, false, program.title), program.title);
+        let title = program.title;
+        let mark = program.mark(x, 16.0, false, title);
         let _ = writeln!(out, "{mark}<text x=\"{}\" y=\"21\">{title}</text>", x + 12.0);
         x += 105.0;
     }
