@@ -230,10 +230,10 @@ macro_rules! option_table {
                 "share" share()
                     share: bool, field => *field = true,
                     "true | false", "`false`", "true";
-                /// Gives the type its description: the trait `EmbeddedModel`, whose function
-                /// `model` returns what was read. An interpreter, a graphics processor or a
-                /// compiler at run time then takes the type instead of a file. Needs the feature
-                /// `alloc` of `modyn`, which is on by default.
+                /// Embeds the robot's description in its type: the function `model` of the trait
+                /// `EmbeddedModel` returns the model that was read. An interpreter, a graphics
+                /// processor or a compiler at run time then takes the type instead of a file. Needs
+                /// the feature `alloc` of `modyn`, which is on by default.
                 "embed_model" embed_model()
                     embed_model: bool, field => *field = true,
                     "true | false", "`false`", "true";

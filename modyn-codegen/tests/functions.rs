@@ -46,7 +46,7 @@ fn the_default_functions_are_listed() {
     assert_eq!(sorted(found), named(Function::DEFAULT));
 }
 
-/// The measured costs are those of functions that there are, the same ones for each robot.
+/// The measured costs belong to functions that exist, the same functions for each robot.
 #[test]
 fn each_cost_is_of_a_function() {
     let table = file("docs/data/functions.tsv").replace("\r\n", "\n");

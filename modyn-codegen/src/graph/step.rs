@@ -1,5 +1,5 @@
-//! The graph of a step with soft constraints, and its parts: what runs once, and what runs in each
-//! iteration of the solver.
+//! The graph of a step with soft constraints, and its parts: the nodes that run once, and the nodes
+//! that run in each iteration of the solver.
 
 use std::ops::Range;
 
