@@ -5,7 +5,7 @@
 
 use modyn::simulate::{Gains, Reference, State};
 
-modyn::modyn!("robots/arm7.urdf", friction = none);
+modyn::modyn!("robots/arm7.urdf", joint_friction = none);
 
 const DT: f64 = 0.001;
 

@@ -3,14 +3,14 @@
 mod reach;
 
 use modyn_codegen::diagnostics::Diagnostics;
-use modyn_codegen::{Builder, Bundle, Function};
+use modyn_codegen::{Builder, Function, FusedFunction};
 use reach::ReachCost;
 
 fn main() -> Result<(), Diagnostics> {
     println!("cargo::rerun-if-changed=build.rs");
     println!("cargo::rerun-if-changed=reach.rs");
     // All that an optimal controller needs of a state, in one call that does the common work once.
-    let knot = Bundle::new("knot")
+    let knot = FusedFunction::new("knot")
         .function(Function::StepSemiImplicitDerivatives)
         .own_function("reach_cost_gradient");
     Builder::new()
@@ -20,7 +20,7 @@ fn main() -> Result<(), Diagnostics> {
         .functions([Function::InverseDynamics, Function::GravityTorques, Function::LinkPose])
         // A function of one's own, with its derivatives, for one state and for many.
         .function_batch("reach_cost", ReachCost { link: "tip" })
-        .bundles([knot])
+        .fused([knot])
         .compile()?;
     Ok(())
 }

@@ -35,7 +35,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             let mut builder =
                 Builder::new().model(model.clone()).scalar(float).functions(FUNCTIONS);
             if name == "legs_shared" {
-                builder = builder.share();
+                builder = builder.share_limbs();
             }
             let file = Path::new(&out).join(format!("{name}_{scalar}.rs"));
             builder.clone().self_contained().write(&file)?;

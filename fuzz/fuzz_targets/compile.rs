@@ -3,7 +3,7 @@
 
 use libfuzzer_sys::{fuzz_mutator, fuzz_target};
 use modyn_codegen::diagnostics::{Code, Severity};
-use modyn_codegen::{Base, Friction, Mimic};
+use modyn_codegen::{Base, JointFriction, Mimic};
 use modyn_codegen::{Builder, FloatType, Function, ModuleChoice};
 
 /// A few functions at a time: all of them would be few robots a second.
@@ -13,7 +13,7 @@ const FUNCTIONS: [&[Function]; 8] = [
     &[Function::Brge, Function::ForwardDynamicsVjp],
     &[Function::InverseDynamicsDerivatives, Function::InverseDynamicsHessian],
     &[Function::LinkPoses, Function::Jacobian, Function::CentroidalMomentumDerivatives],
-    &[Function::Integrate, Function::Difference, Function::Random],
+    &[Function::Integrate, Function::Difference, Function::RandomConfiguration],
     &[Function::Regressor, Function::KineticEnergy, Function::PotentialEnergy],
     &[Function::ForwardDynamicsExternalLocal, Function::ForwardDynamicsDerivatives],
 ];
@@ -26,7 +26,10 @@ fuzz_target!(|data: &[u8]| {
         Builder::new().urdf_text(text, "fuzz.urdf").functions(functions.iter().copied());
     builder = builder.unphysical_inertia(Severity::Warning);
     if flag(3) {
-        builder = builder.share().modules(ModuleChoice::Links).friction(Friction::Smooth(0.01));
+        builder = builder
+            .share_limbs()
+            .modules(ModuleChoice::Links)
+            .joint_friction(JointFriction::Smooth(0.01));
     }
     if flag(4) {
         builder = builder.self_contained().c_functions("robot");

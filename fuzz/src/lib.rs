@@ -5,8 +5,8 @@ pub mod vocabulary;
 
 use modyn_codegen::diagnostics::{Code, Diagnostics, Severity};
 use modyn_codegen::{
-    Base, Builder, Friction, Function, Ground, JointActuator, Mimic, ReadOptions, Reading, Rotor,
-    joints_without_inertia,
+    Base, Builder, Function, Ground, JointActuator, JointFriction, Mimic, ReadOptions, Reading,
+    Rotor, joints_without_inertia,
 };
 
 pub use mutate::mutate;
@@ -23,11 +23,11 @@ pub fn text(data: &[u8]) -> (String, u8) {
 pub fn read_options(choice: u8) -> ReadOptions {
     let flag = |bit: u8| choice >> bit & 1 == 1;
     ReadOptions {
-        base: [Base::Described, Base::Floating, Base::Fixed][usize::from(choice) % 3],
+        base: [Base::Auto, Base::Floating, Base::Fixed][usize::from(choice) % 3],
         mimic: [Mimic::Follow, Mimic::Follow, Mimic::Independent, Mimic::Refuse]
             [usize::from(choice >> 1 & 3)],
         unphysical_inertia: if flag(3) { Severity::Warning } else { Severity::Error },
-        friction: flag(4).then_some(Friction::Smooth(0.1)),
+        joint_friction: flag(4).then_some(JointFriction::Smooth(0.1)),
         ground: flag(7).then(Ground::default),
         actuators: if flag(6) {
             vec![JointActuator::position("*", 20.0, 0.5).with_delay(2)]

@@ -18,13 +18,13 @@ use modyn::batch::{SimdLevel, force_level};
 use modyn::{ForwardDynamicsDerivatives, InverseDynamicsDerivatives, Robot};
 use plain::{Plain, plain};
 
-modyn::modyn! { Arm7 = "../../robots/arm7.urdf", friction = none, functions = [
+modyn::modyn! { Arm7 = "../../robots/arm7.urdf", joint_friction = none, functions = [
     forward_dynamics, forward_dynamics_batch, inverse_dynamics, inverse_dynamics_batch,
     mass_matrix, mass_matrix_batch, brge, brge_batch,
     inverse_dynamics_derivatives, inverse_dynamics_derivatives_batch,
     forward_dynamics_derivatives, forward_dynamics_derivatives_batch
 ] }
-modyn::modyn! { Arm7Single = "../../robots/arm7.urdf", friction = none, scalar = f32, functions = [
+modyn::modyn! { Arm7Single = "../../robots/arm7.urdf", joint_friction = none, scalar = f32, functions = [
     forward_dynamics, forward_dynamics_batch
 ] }
 modyn::modyn! { Quadruped = "../../robots/quadruped.urdf", functions = [

@@ -15,7 +15,7 @@ use numbers::numbers;
 
 modyn::modyn! {
     "../../robots/arm7.urdf",
-    friction = none,
+    joint_friction = none,
     functions = [inverse_dynamics, inverse_dynamics_derivatives, forward_dynamics_derivatives]
 }
 modyn::modyn! {

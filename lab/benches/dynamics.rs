@@ -16,7 +16,7 @@ use numbers::numbers;
 
 modyn::modyn!("../../robots/gripper.urdf");
 modyn::modyn!("../../robots/arm6.urdf");
-modyn::modyn!("../../robots/arm7.urdf", friction = none);
+modyn::modyn!("../../robots/arm7.urdf", joint_friction = none);
 modyn::modyn!("../../robots/quadruped.urdf");
 modyn::modyn!("../../robots/humanoid.urdf");
 

@@ -20,7 +20,7 @@ use numbers::numbers;
 modyn::modyn!(
     "../../robots/quadruped.urdf",
     base = floating,
-    friction = none,
+    joint_friction = none,
     functions = [step, link_poses, constrained_inverse_dynamics],
     contacts = [
         "fl": point("front_left_foot"),
@@ -32,7 +32,7 @@ modyn::modyn!(
 modyn::modyn!(
     "../../robots/humanoid.urdf",
     base = floating,
-    friction = none,
+    joint_friction = none,
     functions = [step, link_poses, constrained_inverse_dynamics],
     contacts = [
         "left_toe_out": point("left_ankle_roll_link", [0.12, 0.03, -0.035]),

@@ -14,7 +14,7 @@ RELEASE = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "release"
 OPTIONS = {
     "--mimic independent": ["independent"],
     "--unphysical-inertia warn": ["warn"],
-    "--unread-forces warn": ["forces"],
+    "--unsupported-forces warn": ["forces"],
     "--base floating": ["floating"],
 }
 #: The compared functions of robots with more than `SMALL` velocities, whose other functions take rustc minutes.

@@ -31,7 +31,7 @@ pub fn closed_start(model: &Model) -> Option<Vec<f64>> {
     let mut random = Random::new(1);
     close(q.clone()).or_else(|| {
         (0..MAX_STARTS).find_map(|_| {
-            interpreter.random(|| random.uniform(), &mut q).ok()?;
+            interpreter.random_configuration(|| random.uniform(), &mut q).ok()?;
             close(q.clone())
         })
     })

@@ -78,9 +78,9 @@ fn unreadable_and_refused_descriptions_have_different_exit_codes() {
     assert_eq!(modyn(&["check"]).code, 2);
     assert_eq!(modyn(&["check", "robots/arm6.urdf", "--base", "flying"]).code, 2);
     assert_eq!(modyn(&["check", "robots/arm6.urdf", "--gravity", "1,2"]).code, 2);
-    let rotor = modyn(&["check", "robots/arm6.urdf", "--rotors", "nobody: (1, 1)"]);
-    assert_eq!(rotor.code, 1);
-    assert!(rotor.out.contains("nobody"), "{}", rotor.out);
+    let armature = modyn(&["check", "robots/arm6.urdf", "--armature", "nobody: 1"]);
+    assert_eq!(armature.code, 1);
+    assert!(armature.out.contains("nobody"), "{}", armature.out);
 }
 
 #[test]

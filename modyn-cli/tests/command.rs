@@ -46,3 +46,10 @@ fn an_option_of_another_command_is_explained() {
     assert_eq!(found.code, 2);
     assert!(found.err.contains("'--payload' is an option of 'modyn generate'"), "{}", found.err);
 }
+
+#[test]
+fn an_earlier_name_of_an_option_leads_to_the_present_one() {
+    let found = modyn(&["inspect", "robots/gripper.urdf", "--friction", "none"]);
+    assert_eq!(found.code, 2);
+    assert!(found.err.contains("'--friction' is named '--joint-friction' now"), "{}", found.err);
+}

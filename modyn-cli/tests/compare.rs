@@ -9,8 +9,8 @@ use common::{command, modyn, run};
 fn generated_code_agrees_with_the_interpreter() {
     // rustc compiles the small robot alone.
     for (robot, options, compilers) in [
-        ("robots/gripper.urdf", &["--friction", "none"][..], 2),
-        ("robots/joint_zoo.urdf", &["--friction", "smooth=0.1"], 1),
+        ("robots/gripper.urdf", &["--joint-friction", "none"][..], 2),
+        ("robots/joint_zoo.urdf", &["--joint-friction", "smooth=0.1"], 1),
         ("robots/quadruped.urdf", &["--base", "floating", "--modules", "links"], 1),
     ] {
         let arguments = ["compare", robot, "--json", "--states", "20"];
@@ -47,7 +47,7 @@ fn two_zeros_agree() {
         let text = format!("<robot name='r'><link name='base'/>{}</robot>", parts.concat());
         let file = std::env::temp_dir().join(format!("modyn-zeros-{}.urdf", std::process::id()));
         std::fs::write(&file, text).expect("a file");
-        let output = modyn(&["compare", &file.to_string_lossy(), "--friction", "none"]);
+        let output = modyn(&["compare", &file.to_string_lossy(), "--joint-friction", "none"]);
         let _ = std::fs::remove_file(&file);
         assert_eq!(output.code, 0, "{}{}", output.out, output.err);
     }

@@ -127,7 +127,7 @@ fn a_build_script_would_write_the_same() {
             &file,
             "--scalar",
             "f32",
-            "--friction",
+            "--joint-friction",
             "smooth=0.01",
             "--gravity",
             "0,0,-1.62",
@@ -181,7 +181,7 @@ fn a_build_script_would_write_the_same() {
                 },
             ),
         }])
-        .friction(modyn_codegen::Friction::Smooth(0.01))
+        .joint_friction(modyn_codegen::JointFriction::Smooth(0.01))
         .gravity([0.0, 0.0, -1.62])
         .modules(modyn_codegen::ModuleChoice::Links)
         .runtime_inertia(["front_left_foot"])
@@ -250,7 +250,9 @@ fn a_header_for_c_is_written_and_checked() {
 
 #[test]
 fn the_written_code_compiles() {
-    for (robot, options) in [("gripper", &[][..]), ("quadruped", &["--share", "--scalar", "f32"])] {
+    for (robot, options) in
+        [("gripper", &[][..]), ("quadruped", &["--share-limbs", "--scalar", "f32"])]
+    {
         let folder = tempfile::tempdir().expect("a folder");
         let file = at(folder.path(), "arm.rs");
         let robot = format!("robots/{robot}.urdf");
@@ -276,7 +278,8 @@ fn shared_legs_are_once_in_the_text() {
         assert_eq!(found.code, 0, "{}", found.err);
         found.out
     };
-    let (alone, shared) = (text(&["--self-contained"]), text(&["--self-contained", "--share"]));
+    let (alone, shared) =
+        (text(&["--self-contained"]), text(&["--self-contained", "--share-limbs"]));
     let products = |text: &str| text.matches("mul_add(").count();
     assert!(2 * products(&shared) < products(&alone));
 }

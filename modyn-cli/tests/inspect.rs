@@ -20,13 +20,13 @@ fn a_robot_is_shown() {
 fn lines_fit_a_hundred_columns() {
     for (robot, base) in [("humanoid", "floating"), ("arm7", "fixed"), ("mimic_gripper", "fixed")] {
         let path = format!("robots/{robot}.urdf");
-        let plain = modyn(&["inspect", &path, "--base", base, "--friction", "none"]).out;
+        let plain = modyn(&["inspect", &path, "--base", base, "--joint-friction", "none"]).out;
         let with = modyn(&[
             "inspect",
             &path,
             "--base",
             base,
-            "--friction",
+            "--joint-friction",
             "none",
             "--functions",
             "default",
@@ -47,7 +47,7 @@ fn lines_fit_a_hundred_columns() {
 fn actuators_are_shown() {
     let actuators =
         ["left_slide: position(20, 0.5, effort = 3, saturation = 4, velocity = 2, delay = 2)"];
-    let start = ["inspect", "robots/mimic_gripper.urdf", "--friction", "none", "--actuators"];
+    let start = ["inspect", "robots/mimic_gripper.urdf", "--joint-friction", "none", "--actuators"];
     let text = modyn(&[&start[..], &actuators].concat()).out;
     let law = "20 ctrl - 20 x - 0.5 v; within -3 to 3; at most 4 (1 - v / 2); 2 steps late";
     let words = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
@@ -99,13 +99,13 @@ fn friction_that_does_not_act_is_said_to() {
     let inactive = "damping 0.7 (does not act), friction 0.2 (does not act)";
     assert!(by_default.contains(inactive), "{by_default}");
     assert!(by_default.contains("warning[inactive-friction]"), "{by_default}");
-    let chosen = shown(&["--friction", "none"]);
+    let chosen = shown(&["--joint-friction", "none"]);
     assert!(chosen.contains(inactive) && !chosen.contains("inactive-friction"), "{chosen}");
-    let viscous = shown(&["--friction", "viscous"]);
+    let viscous = shown(&["--joint-friction", "viscous"]);
     assert!(viscous.contains("damping 0.7, friction 0.2 (does not act)"), "{viscous}");
-    let coulomb = shown(&["--friction", "coulomb"]);
+    let coulomb = shown(&["--joint-friction", "coulomb"]);
     assert!(!coulomb.contains("does not act"), "{coulomb}");
-    let json = modyn(&["inspect", "--json", &path, "--friction", "viscous"]).json();
+    let json = modyn(&["inspect", "--json", &path, "--joint-friction", "viscous"]).json();
     let rubbing =
         json["joints"].as_array().expect("joints").iter().find(|one| one["damping"] == 0.7);
     let rubbing = rubbing.expect("the joint");

@@ -67,9 +67,9 @@ fn dynamics_is_refused_by_name() {
     ] {
         let found = modyn(arguments);
         assert!(found.code != 0 && found.err.contains(message), "{arguments:?}: {}", found.err);
-        assert!(found.err.contains("rotor"), "{}", found.err);
+        assert!(found.err.contains("armature"), "{}", found.err);
     }
-    let rotors = r#"["shoulder": (1, 1), "wrist": (1, 1)]"#;
-    let simulated = modyn(&["simulate", ROBOT, "--time", "0.1", "--rotors", rotors]);
+    let armature = r#"["shoulder": 1, "wrist": 1]"#;
+    let simulated = modyn(&["simulate", ROBOT, "--time", "0.1", "--armature", armature]);
     assert_eq!(simulated.code, 0, "{}", simulated.err);
 }

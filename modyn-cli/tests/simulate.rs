@@ -122,7 +122,7 @@ fn friction_accounts_for_the_missing_energy() {
     let found = modyn(&[
         "simulate",
         "robots/mimic_gripper.urdf",
-        "--friction",
+        "--joint-friction",
         "smooth=0.05",
         "--q",
         "0.5,0.5,0.5,0,0.01",
@@ -412,7 +412,7 @@ fn collision_shapes_of_a_urdf_come_to_rest_on_the_ground() {
     let ground = "plane([0, 0, 0.5], [0, 0, 1])";
     let run = |more: &[&str]| {
         let start =
-            ["simulate", &path, "--base", "floating", "--friction", "viscous", "--time", "2"];
+            ["simulate", &path, "--base", "floating", "--joint-friction", "viscous", "--time", "2"];
         modyn(&[&start[..], more].concat())
     };
     let motion = run(&["--ground", ground]);
@@ -436,7 +436,7 @@ fn collision_shapes_of_a_urdf_come_to_rest_on_the_ground() {
 #[test]
 fn actuators_of_the_option_act() {
     let start =
-        ["simulate", "robots/double_pendulum.urdf", "--friction", "none", "--q", "0.9,-0.7"];
+        ["simulate", "robots/double_pendulum.urdf", "--joint-friction", "none", "--q", "0.9,-0.7"];
     let end = |more: &[&str]| {
         let run = modyn(&[&start[..], &["--time", "3"], more].concat());
         assert_eq!(run.code, 0, "{}", run.err);

@@ -220,7 +220,7 @@ fn the_page_places_and_draws_links_in_a_browser() {
     };
     for (q, shown) in states.iter().zip(result["poses"].as_array().expect("poses")) {
         let (mut q, shown) = (list(q), list(shown));
-        interpreter.normalize(&mut q).expect("the length");
+        interpreter.normalize_configuration(&mut q).expect("the length");
         interpreter.link_poses(&q, &mut poses).expect("the length");
         for (link, matrix) in shown.chunks(16).enumerate() {
             let name = &model.links()[link].name;

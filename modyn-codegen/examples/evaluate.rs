@@ -35,7 +35,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             "floating" => options.base = Base::Floating,
             "independent" => options.mimic = Mimic::Independent,
             "warn" => options.unphysical_inertia = Severity::Warning,
-            "forces" => options.unread_forces = Severity::Warning,
+            "forces" => options.unsupported_forces = Severity::Warning,
             other => return Err(format!("no option `{other}`").into()),
         }
     }

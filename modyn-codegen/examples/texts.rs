@@ -52,7 +52,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                     .any(|word| function.name().contains(word))
             });
             let builder = Builder::new().urdf(&path).functions(functions);
-            let shared = builder.clone().share();
+            let shared = builder.clone().share_limbs();
             let contained = builder.clone().self_contained().runtime_gravity();
             cases.push((format!("{name} f32"), builder.clone().scalar(FloatType::F32)));
             cases.push((format!("{name} f64"), builder));

@@ -12,17 +12,19 @@ use std::path::PathBuf;
 
 use modyn_read::diagnostics::{Code, Diagnostic, Diagnostics, Severity};
 use modyn_read::{
-    Base, Contact, FileStore, Format, Ground, JointActuator, Loop, Mimic, Package, ReadOptions,
-    Reading, Rotor, XacroArg, conditioning_warning, joints_without_inertia,
+    Armature, Base, Contact, FileStore, Format, Ground, JointActuator, Loop, Mimic, Package,
+    ReadOptions, Reading, Rotor, XacroArg, conditioning_warning, joints_without_inertia,
 };
-use modyn_runtime::model::{Friction, Model, ModuleTree};
+use modyn_runtime::model::{JointFriction, Model, ModuleTree};
 use modyn_runtime::{OperationCount, UserFunction};
 
 use crate::emit::{
     EmitOptions, File, FloatType, GpuKernel, GpuLanguage, PlannedRobot, Refused, RolloutOptions,
     RolloutSource, Target, emit_rollouts,
 };
-use crate::options::{Bundle, ModuleChoice, OptionError, Options, Value, option_table, user};
+use crate::options::{
+    FusedFunction, ModuleChoice, OptionError, Options, Value, option_table, user,
+};
 use crate::plan::{
     Choices, CodeForm, EntryFunction, Function, NamedFunction, Plan, TooLong, TracedFunction,
 };
@@ -430,7 +432,7 @@ impl Builder {
     /// Returns the program of one function of arrays of plain numbers, or of a derivative of one,
     /// for back ends that print no text: for libraries that differentiate by every entry of their
     /// arrays. The program has one argument and one result, in which the arrays follow one another.
-    /// The options `functions` and `bundles` have no effect.
+    /// The options `functions` and `fused` have no effect.
     ///
     /// # Errors
     ///
@@ -528,13 +530,13 @@ impl Builder {
             self.module_tree(&reading.model).map_err(|diagnostics| errors.extend(diagnostics)).ok()
         });
         let mut functions = self.selected().to_vec();
-        let bundled: Vec<Function> = code.bundles.iter().flat_map(Bundle::functions).collect();
+        let fused: Vec<Function> = code.fused.iter().flat_map(FusedFunction::functions).collect();
         let mut singular = Vec::new();
         if let Some(Reading { model, .. }) = &reading {
             singular = joints_without_inertia(model);
             if !singular.is_empty() {
                 let error;
-                (functions, error) = without_inertia(model, &singular, &functions, &bundled);
+                (functions, error) = without_inertia(model, &singular, &functions, &fused);
                 errors.extend(error);
             }
         }
@@ -550,9 +552,9 @@ impl Builder {
         });
         let mut choices = Choices {
             functions,
-            bundles: Vec::new(),
+            fused: Vec::new(),
             user_functions: Vec::new(),
-            share: code.share,
+            share_limbs: code.share_limbs,
             code: code.code,
             machine_code: false,
             runtime_gravity: code.runtime_gravity,
@@ -565,13 +567,13 @@ impl Builder {
                 errors.is_empty().then(|| self.traced_functions(model, &singular, &choices));
             let traced = functions
                 .and_then(|traced| traced.map_err(|diagnostics| errors.extend(diagnostics)).ok());
-            let planned = |bundle: &Bundle| {
-                bundle
+            let planned = |fused: &FusedFunction| {
+                fused
                     .of(model, traced.as_deref())
                     .map_err(|diagnostics| errors.extend(diagnostics))
                     .ok()
             };
-            choices.bundles = code.bundles.iter().filter_map(planned).collect();
+            choices.fused = code.fused.iter().filter_map(planned).collect();
             choices.user_functions = traced.unwrap_or_default();
         }
         let without_errors = reading.zip(modules).filter(|_| errors.is_empty());

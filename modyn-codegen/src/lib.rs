@@ -32,17 +32,17 @@ pub use emit::{
 };
 pub use modyn_read::diagnostics;
 pub use modyn_read::{
-    Base, Contact, ControlLaw, FileStore, Format, Geometry, Ground, JointActuator, Loop, LoopEnd,
-    MAX_CONDITION_F32, Mesh, Mimic, Package, ReadOptions, Reading, Rotor, Shape, Shapes, Written,
-    XacroArg, condition_number, expand_xacro, joints_without_inertia, read, read_mjcf, read_urdf,
-    write,
+    Armature, Base, Contact, ControlLaw, FileStore, Format, Geometry, Ground, JointActuator, Loop,
+    LoopEnd, MAX_CONDITION_F32, Mesh, Mimic, Package, ReadOptions, Reading, Rotor, Shape, Shapes,
+    Written, XacroArg, condition_number, expand_xacro, joints_without_inertia, read, read_mjcf,
+    read_urdf, write,
 };
 pub use modyn_runtime::equations::{ForwardInput, Motion, State, TimeStepInput};
-pub use modyn_runtime::model::{ContactKind, Friction, LoopConstraintKind};
+pub use modyn_runtime::model::{ContactKind, JointFriction, LoopConstraintKind};
 pub use modyn_runtime::{
     Interpreter, Scalar, UserArgument, UserArgumentKind, UserDerivatives, UserError, UserFunction,
 };
-pub use options::{Bundle, ModuleChoice};
+pub use options::{FusedFunction, ModuleChoice};
 pub use plan::{CodeForm, Function};
 
 /// Parts that the tests of this crate reach, besides the public interface. They may change in any

@@ -3,14 +3,16 @@
 //!
 //! A new option is a row in `option_table!`; one about reading has a field in [`ReadOptions`], too.
 
-mod bundle;
+mod fused;
 mod own_names;
+mod renamed;
 mod types;
 pub(crate) mod user;
 mod value;
 
-pub use bundle::Bundle;
+pub use fused::FusedFunction;
 pub(crate) use own_names::shared_names;
+pub use renamed::{renamed_option, unknown_option};
 pub use types::{Field, ModuleChoice, OptionValue};
 pub use value::{OptionError, Value, ValueKind};
 
@@ -96,13 +98,13 @@ macro_rules! option_table {
                 "gravity" gravity(gravity: [f64; 3])
                     gravity: Option<[f64; 3]>, field => *field = Some(gravity),
                     "[x, y, z]", "`[0.0, 0.0, -9.81]`, or the MJCF's or the model's own", "[0, 0, -1.62]";
-                /// Whether the root link is fixed to the world or floats. With `described`, a
+                /// Whether the root link is fixed to the world or floats. With `auto`, a
                 /// URDF's root link is fixed, and an SDF's floats unless a joint connects it to the
                 /// world. In every format, `fixed` fixes what floats in the world by itself, where
                 /// the file places it, and `floating` is an error if the robot floats already.
                 "base" base(base: Base)
                     base: Base, field => *field = base,
-                    "described | fixed | floating", "`described`", "floating";
+                    "auto | fixed | floating", "`auto`", "floating";
                 /// How joints that mimic another one are read: they follow it and have no
                 /// coordinate of their own, have one, or are refused. Joints with a coordinate of
                 /// their own are free; `<equality>` of an MJCF couples them in the function `step`,
@@ -110,8 +112,14 @@ macro_rules! option_table {
                 "mimic" mimic(mimic: Mimic)
                     mimic: Mimic, field => *field = mimic,
                     "follow | independent | refuse", "`follow`", "independent";
-                /// Rotors of joints: the inertia (kg m^2) and the gear ratio of each. They replace
-                /// the joint's rotor of the description.
+                /// Armatures of joints: the inertia of the drive after the gear (kg m^2, or kg for
+                /// a prismatic joint), in place of the description's. It acts in all dynamics.
+                "armature" armature(armature: impl IntoIterator<Item = Armature>)
+                    armature: Vec<Armature>, field => field.extend(armature),
+                    "[\"joint\": inertia, ...]", "the description's", "[\"elbow\": 1.0]";
+                /// Armatures of joints by their rotors: the inertia of each before the gear
+                /// (kg m^2) and the gear ratio. The armature is the inertia times the square of
+                /// the ratio.
                 "rotors" rotors(rotors: impl IntoIterator<Item = Rotor>)
                     rotors: Vec<Rotor>, field => field.extend(rotors),
                     "[\"joint\": (inertia, gear_ratio), ...]", "the description's", "[\"elbow\": (0.0001, 100)]";
@@ -155,8 +163,8 @@ macro_rules! option_table {
                     "the description's",
                     "[\"elb*\": position(20, 0.5, effort = 23.5, saturation = 30, velocity = 25, delay = 2)]";
                 /// The damping and friction of the description that act on the joints.
-                "friction" friction(friction: Friction)
-                    friction: Option<Friction>, field => *field = Some(friction),
+                "joint_friction" joint_friction(friction: JointFriction)
+                    joint_friction: Option<JointFriction>, field => *field = Some(friction),
                     "none | viscous | coulomb | \
                      smooth(velocity)", "`none`, with a warning if there are some", "smooth(0.01)";
                 /// How inertias that no rigid body has are reported. A negative mass is always an
@@ -167,8 +175,8 @@ macro_rules! option_table {
                 /// How forces of fluids, such as air, and of tendons in an MJCF are reported, which
                 /// are not read. With a warning the robot is without them; springs and dampers of
                 /// fixed tendons then act in the function `step` only.
-                "unread_forces" unread_forces(severity: Severity)
-                    unread_forces: Severity, field => *field = severity,
+                "unsupported_forces" unsupported_forces(severity: Severity)
+                    unsupported_forces: Severity, field => *field = severity,
                     "error | warn", "`error`", "warn";
                 /// The folders of ROS packages, which a description names in `$(find ...)` and
                 /// `package://`. Packages in the folders above the description are found without
@@ -189,13 +197,13 @@ macro_rules! option_table {
                 "functions" functions(functions: impl IntoIterator<Item = Function>)
                     functions: Option<Vec<Function>>, field => *field = Some(functions.into_iter().collect()),
                     "[name, ...]", "`default`", "[default, regressor]";
-                /// Bundles of functions: one call computes all functions of a bundle, and does
-                /// their common work once. A bundle is a function of this name over the arguments
-                /// of all its functions; its result is a type with a field for each of them
-                /// (`jacobian_hand`). Functions of one link are named with the link. In generated
-                /// code, `name: batch(..)` makes the form for many states as well.
-                "bundles" bundles(bundles: impl IntoIterator<Item = Bundle>)
-                    bundles: Vec<Bundle>, field => field.extend(bundles),
+                /// Fused functions: each computes several functions in one call, with their common
+                /// work done once. It has the arguments of all its functions; its result is a type
+                /// with a field for each of them (`jacobian_hand`). Functions of one link are named
+                /// with the link. In generated code, `name: batch(..)` makes the form for many
+                /// states as well.
+                "fused" fused(fused: impl IntoIterator<Item = FusedFunction>)
+                    fused: Vec<FusedFunction>, field => field.extend(fused),
                     "[\"name\": (function, function(\"link\"), ...), \
                      ...]", "none", "[\"control\": (mass_matrix, bias_forces, jacobian(\"hand\"))]";
                 /// The kinematic modules: maximal serial chains, links, or lists of link names,
@@ -227,8 +235,8 @@ macro_rules! option_table {
                 /// constants for each: the smallest code. Limbs of which one carries a `payload` or
                 /// a `runtime_inertia` are not equal. Without this option equal limbs are packed
                 /// into vectors where the processor has them.
-                "share" share()
-                    share: bool, field => *field = true,
+                "share_limbs" share_limbs()
+                    share_limbs: bool, field => *field = true,
                     "true | false", "`false`", "true";
                 /// Embeds the robot's description in its type: the function `model` of the trait
                 /// `EmbeddedModel` returns the model that was read. An interpreter, a graphics
@@ -237,20 +245,20 @@ macro_rules! option_table {
                 "embed_model" embed_model()
                     embed_model: bool, field => *field = true,
                     "true | false", "`false`", "true";
-                /// The form of the code of forward and inverse dynamics. `fast` is straight-line
-                /// code, whose length grows with the robot. `small` is a loop over the bodies with
-                /// a table of constants: a few kB for any robot, and for long chains quicker than
-                /// straight-line code where other work has taken the caches. `auto` takes loops for
-                /// long chains of some 45 joints and more. Robots with mimic joints, a `payload` or
-                /// a `runtime_inertia` have straight-line code. The derivatives of forward
-                /// dynamics, also with contacts or closed loops, and their Hessian have products of
-                /// matrices in loops where that is shorter (`small`), or where there are many
-                /// products (`auto`); for many states with `small` alone. Dependent rows of
-                /// contacts and closed loops are solved for in loops, behind a branch, unless the
-                /// code is `fast`.
+                /// The form of the code of forward and inverse dynamics. `unrolled` is
+                /// straight-line code, whose length grows with the robot. `looped` is a loop over
+                /// the bodies with a table of constants: a few kB for any robot, and for long
+                /// chains quicker than straight-line code where other work has taken the caches.
+                /// `auto` takes loops for long chains of some 45 joints and more. Robots with mimic
+                /// joints, a `payload` or a `runtime_inertia` have straight-line code. The
+                /// derivatives of forward dynamics, also with contacts or closed loops, and their
+                /// Hessian have products of matrices in loops where that is shorter (`looped`), or
+                /// where there are many products (`auto`); for many states with `looped` alone.
+                /// Dependent rows of contacts and closed loops are solved for in loops, behind a
+                /// branch, unless the code is `unrolled`.
                 "code" code(form: CodeForm)
                     code: CodeForm, field => *field = form,
-                    "auto | fast | small", "`auto`", "small";
+                    "auto | unrolled | looped", "`auto`", "looped";
                 /// The path of the crate `modyn` where the text goes.
                 "crate" crate_(path: impl Into<String>)
                     crate_path: Option<String>, field => *field = Some(path.into()),
@@ -363,7 +371,10 @@ impl Options {
     pub fn set(&mut self, name: &str, value: &Value) -> Result<(), OptionError> {
         match OPTIONS.iter().find(|row| row.name == name) {
             Some(row) => (row.set)(self, value),
-            None => Err(OptionError::new(value.at, format!("there is no option `{name}`"))),
+            None => {
+                let known: Vec<&str> = OPTIONS.iter().map(|row| row.name).collect();
+                Err(OptionError::new(value.at, unknown_option(name, &known)))
+            }
         }
     }
 

@@ -275,11 +275,11 @@ fn other_options_are_refused_or_warned_of() {
     };
     let single = refused(builder().scalar(FloatType::F32));
     assert!(single.contains("`CasADi` computes in double precision"), "{single}");
-    let bundle = modyn_codegen::Bundle::new("both")
+    let fused = modyn_codegen::FusedFunction::new("both")
         .function(Function::MassMatrix)
         .function(Function::BiasForces);
-    let bundled = refused(builder().bundles([bundle]).gravity([f64::NAN; 3]));
-    assert!(bundled.contains("bundles") && bundled.contains("gravity"), "{bundled}");
+    let fused = refused(builder().fused([fused]).gravity([f64::NAN; 3]));
+    assert!(fused.contains("fused") && fused.contains("gravity"), "{fused}");
 
     let functions = [Function::ForwardDynamics, Function::Regressor];
     let names = |emitted: &Emitted| -> Vec<String> {

@@ -172,7 +172,7 @@ fn a_function_of_a_link_has_the_link() {
     let q = numbers(model.nq(), 2);
     let mut unit = q.clone();
     let interpreter = modyn_runtime::Interpreter::<f64>::new(model.clone());
-    interpreter.normalize(&mut unit).expect("lengths");
+    interpreter.normalize_configuration(&mut unit).expect("lengths");
     for link in 0..model.frames().len() {
         let pose = modyn_runtime::Interpreter::<f64>::new(model.clone()).link_pose(&unit, link);
         let pose = pose.expect("a link");

@@ -230,7 +230,7 @@ fn no_modules_import_each_other() {
         ("modyn-read", "", "assemble", "check"),
         ("modyn-read", "read", "mjcf", "xml"),
         ("modyn-codegen", "", "builder", "emit"),
-        ("modyn-codegen", "plan", "packing", "bundle"),
+        ("modyn-codegen", "plan", "packing", "fused"),
         ("modyn-runtime", "", "equations", "mechanism"),
         ("modyn-runtime", "scalar", "portable", "traits"),
         ("modyn-jit", "", "compiled", "call"),

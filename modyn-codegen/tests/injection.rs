@@ -155,7 +155,7 @@ fn no_helper_is_called_as_a_robot_can_be() {
     let mut kinds = [0; 4];
     for (name, share) in [("quadruped", true), ("arm6", false)] {
         let builder = Builder::new().urdf(robot(name)).functions(Function::ALL.iter().copied());
-        let builder = if share { builder.share() } else { builder };
+        let builder = if share { builder.share_limbs() } else { builder };
         let found = helpers(&builder.generate().expect("good").text);
         for helper in &found {
             // The type of a robot is named by `type_name`.
@@ -178,8 +178,12 @@ fn robots_may_have_names_that_the_text_uses() {
     for name in
         ["T", "V", "Some", "Option", "Default", "Copy", "Scalar", "Runtime", "Into", "Payload"]
     {
-        let functions =
-            [Function::ForwardDynamics, Function::Brge, Function::LinkPose, Function::Random];
+        let functions = [
+            Function::ForwardDynamics,
+            Function::Brge,
+            Function::LinkPose,
+            Function::RandomConfiguration,
+        ];
         let builder = Builder::new().urdf_text(urdf(PLAIN), "robot.urdf").functions(functions);
         let builder = builder.type_name(name).self_contained().c_functions(names::snake(name));
         let builder = builder.payload(["l0"]).runtime_gravity();

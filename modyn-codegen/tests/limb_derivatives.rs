@@ -8,7 +8,7 @@ use modyn_codegen::trace::{LimbPacking, Tracer};
 use modyn_codegen::{Base, ReadOptions};
 use modyn_codegen::{Builder, Function, Planning};
 use modyn_runtime::equations::brge::UduLayout;
-use modyn_runtime::equations::kinematics::coordinates::normalize;
+use modyn_runtime::equations::kinematics::coordinates::normalize_configuration;
 use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::model::{Model, ModuleTree};
 use modyn_runtime::{ForwardDerivatives, Interpreter};
@@ -78,7 +78,7 @@ fn state(model: &Model, seed: f64) -> [Vec<f64>; 4] {
         numbers.map(|i| libm::sin(f64::from(i) * 0.7 + seed + k)).collect()
     };
     let mut q = vector(model.nq(), 0.0);
-    normalize(&Mechanism::new(model), &mut q);
+    normalize_configuration(&Mechanism::new(model), &mut q);
     let [a, b, c] = [1.0, 2.0, 3.0].map(|k| vector(model.nv(), k));
     [q, a, b, c]
 }

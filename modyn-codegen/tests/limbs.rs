@@ -218,7 +218,7 @@ fn upright(low: usize, high: usize) -> String {
 fn limbs_that_join_may_be_longer_or_shorter_above() {
     let options = |base| ReadOptions {
         base,
-        friction: Some(modyn_codegen::Friction::Viscous),
+        joint_friction: Some(modyn_codegen::JointFriction::Viscous),
         ..ReadOptions::default()
     };
     for (low, high) in [(2, 4), (4, 2), (3, 3), (2, 3)] {

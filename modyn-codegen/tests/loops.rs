@@ -16,7 +16,7 @@ use modyn_runtime::equations::constraints::{
 use modyn_runtime::equations::soft_constraints::{LoopParameters, SoftModel};
 use modyn_runtime::equations::{ForwardInput, Motion, State};
 use modyn_runtime::mechanism::Mechanism;
-use modyn_runtime::model::{Friction, LoopConstraint, Model, ModelErrorKind, ModuleTree};
+use modyn_runtime::model::{JointFriction, LoopConstraint, Model, ModelErrorKind, ModuleTree};
 use modyn_runtime::spatial::{Pose, Twist, Wrench};
 use modyn_runtime::{ConstraintSettings, Forces, Interpreter};
 
@@ -466,7 +466,7 @@ fn bound_zoo(which: &[usize]) -> Model {
 fn state(interpreter: &mut Interpreter, random: &mut Random) -> [Vec<f64>; 3] {
     let (nq, nv) = (interpreter.model().nq(), interpreter.model().nv());
     let mut q = random.vector(nq, 1.0);
-    interpreter.normalize(&mut q).expect("fits");
+    interpreter.normalize_configuration(&mut q).expect("fits");
     [q, random.vector(nv, 1.0), random.vector(nv, 5.0)]
 }
 
@@ -794,7 +794,7 @@ fn stiff_loops_of_steps_accelerate_as_loops_of_constrained_dynamics() {
     let models = kinds.map(|(kind, which)| zoo(kind, which)).into_iter();
     let mut compared = 0;
     for model in models.chain([model(FOUR_BAR), model(FIVE_BAR)]) {
-        let model = model.with_friction(Friction::None).expect("no friction");
+        let model = model.with_joint_friction(JointFriction::None).expect("no friction");
         let mut interpreter = Interpreter::new(model.clone());
         let soft = SoftModel::of(interpreter.model());
         let stiff = |closed: &LoopParameters<f64>| LoopParameters {

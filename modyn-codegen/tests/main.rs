@@ -1,13 +1,13 @@
 //! The tests of the compiler, one module a topic.
 
 mod availability;
-mod bundles;
 mod c_header;
 mod casadi;
 mod contacts;
 mod entries;
 mod fixed_links;
 mod functions;
+mod fused;
 mod general_position;
 mod graphs;
 mod imports;

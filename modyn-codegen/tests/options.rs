@@ -79,5 +79,28 @@ fn a_value_of_another_form_is_refused() {
         let fault = Builder::new().set(row.name, &wrong).expect_err(row.name);
         assert!(fault.message.len() > 10, "{}: {}", row.name, fault.message);
     }
-    assert!(Builder::new().set("colour", &Value::text("red")).is_err());
+    let fault = Builder::new().set("colour", &Value::text("red")).expect_err("no such option");
+    assert!(fault.message.contains("there are: gravity, base, "), "{}", fault.message);
+}
+
+/// Options and values by their earlier names are refused, and the message says the present names.
+#[test]
+fn earlier_names_lead_to_the_present_ones() {
+    for (option, value, now) in [
+        ("friction", "none", "`joint_friction`"),
+        ("share", "true", "`share_limbs`"),
+        ("unread_forces", "warn", "`unsupported_forces`"),
+        ("bundles", "a: (mass_matrix)", "`fused`"),
+        ("code", "fast", "`fast` is named `unrolled` now"),
+        ("code", "small", "`small` is named `looped` now"),
+        ("base", "described", "`described` is named `auto` now"),
+    ] {
+        let given = Value::parse(value).expect("a value");
+        let fault = Builder::new().set(option, &given).expect_err(option);
+        assert!(fault.message.contains(now), "{option} = {value}: {}", fault.message);
+    }
+    // Only options and values that had these words.
+    let mimic = Builder::new().set("mimic", &Value::parse("described").expect("a value"));
+    let message = mimic.expect_err("no such word").message;
+    assert_eq!(message, "expected `follow` or `independent` or `refuse`");
 }

@@ -16,7 +16,7 @@ use modyn_codegen::{
 use modyn_runtime::equations::brge::UduLayout;
 use modyn_runtime::equations::constraints::RowSystem;
 use modyn_runtime::equations::dynamics::Elimination;
-use modyn_runtime::equations::kinematics::coordinates::normalize;
+use modyn_runtime::equations::kinematics::coordinates::normalize_configuration;
 use modyn_runtime::equations::{ModulePartition, TimeStepInput};
 use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::model::{Model, ModuleTree};
@@ -125,7 +125,7 @@ fn derivatives_of_steps_are_those_of_the_interpreter() {
         let layout = UduLayout::new(&mechanism, &ModuleTree::links(&model));
         let (nq, n) = (model.nq(), model.nv());
         let mut inputs = inputs(nq + 2 * n + 1);
-        normalize(&mechanism, &mut inputs[..nq]);
+        normalize_configuration(&mechanism, &mut inputs[..nq]);
         let (mut expected, h) = (vec![0.0; nq + n + 6 * n * n], inputs[nq + 2 * n]);
         let (next, rest) = expected.split_at_mut(nq + n);
         let ((next_q, next_qd), (a, b)) = (next.split_at_mut(nq), rest.split_at_mut(4 * n * n));
@@ -175,7 +175,7 @@ fn products_under_constraints_agree_with_straight_line_code() {
     ];
     let legged = builder("quadruped").base(Base::Floating).contacts(feet);
     for (name, builder) in [("quadruped", legged), ("five_bar", builder("five_bar"))] {
-        let builder = builder.functions([Function::Random]);
+        let builder = builder.functions([Function::RandomConfiguration]);
         let model = builder.generate().map_err(|error| error.to_string()).expect("good").model;
         let mechanism = Mechanism::new(&model);
         let layout = UduLayout::new(&mechanism, &ModuleTree::links(&model));
@@ -272,24 +272,24 @@ fn plans_take_products_in_loops_for_long_or_short_code() {
         .evaluate(Function::ForwardDynamicsDerivatives, &arguments, 0, &mut expected)
         .expect("lengths");
     let scale = expected.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
-    for code in [CodeForm::Fast, CodeForm::Auto, CodeForm::Small] {
+    for code in [CodeForm::Unrolled, CodeForm::Auto, CodeForm::Looped] {
         let plan = planned(&quadruped, code, Execution::Simd);
         let (scalar, simd) = plan.functions[0].kernels.straight().expect("straight-line code");
         assert!(simd.widths().len() > 1);
         for program in [scalar, simd] {
-            assert_eq!(program.products.is_some(), code != CodeForm::Fast);
+            assert_eq!(program.products.is_some(), code != CodeForm::Unrolled);
             for (found, expected) in program.evaluate(&inputs).iter().zip(&expected) {
                 assert!((found - expected).abs() <= 1e-12 * scale, "{found} {expected}");
             }
         }
-        assert_eq!(plan.loops().len(), usize::from(code != CodeForm::Fast));
+        assert_eq!(plan.loops().len(), usize::from(code != CodeForm::Unrolled));
     }
     // An arm has few products, and some back ends have no loops.
     for (model, code, execution, loops) in [
         (arm, CodeForm::Auto, Execution::Simd, false),
         (quadruped.clone(), CodeForm::Auto, Execution::Scalar, true),
-        (quadruped.clone(), CodeForm::Small, Execution::Scalar, true),
-        (quadruped, CodeForm::Small, Execution::Threads, false),
+        (quadruped.clone(), CodeForm::Looped, Execution::Scalar, true),
+        (quadruped, CodeForm::Looped, Execution::Threads, false),
     ] {
         let plan = planned(&model, code, execution);
         let (scalar, _) = plan.functions[0].kernels.straight().expect("straight-line code");

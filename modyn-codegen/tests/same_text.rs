@@ -29,10 +29,14 @@ const OPTIONS: &[Options] = &[
     ("all", all),
     ("all f32", |b| all(b).scalar(FloatType::F32)),
     ("all floating", |b| all(b).base(Base::Floating)),
-    ("all share", |b| all(b).share()),
-    ("all floating share f32", |b| all(b).base(Base::Floating).share().scalar(FloatType::F32)),
+    ("all share", |b| all(b).share_limbs()),
+    ("all floating share f32", |b| {
+        all(b).base(Base::Floating).share_limbs().scalar(FloatType::F32)
+    }),
     ("all self_contained", |b| all(b).self_contained()),
-    ("all self_contained share f32", |b| all(b).self_contained().share().scalar(FloatType::F32)),
+    ("all self_contained share f32", |b| {
+        all(b).self_contained().share_limbs().scalar(FloatType::F32)
+    }),
     ("all gravity c", |b| all(b).runtime_gravity().c_functions("robot")),
     ("all parameters", |b| with_inertia(all(b).runtime_gravity())),
     ("small", small),
@@ -63,7 +67,7 @@ fn all(builder: Builder) -> Builder {
 /// Loops over bodies.
 fn small(builder: Builder) -> Builder {
     let functions = [Function::ForwardDynamics, Function::InverseDynamics];
-    builder.functions(functions).code(CodeForm::Small)
+    builder.functions(functions).code(CodeForm::Looped)
 }
 
 fn long(builder: Builder) -> Builder {

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use modyn_codegen::{Builder, Bundle, Contact, ContactKind, FloatType, Function, LoopEnd};
+use modyn_codegen::{Builder, Contact, ContactKind, FloatType, Function, FusedFunction, LoopEnd};
 
 fn robot(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../robots").join(name)
@@ -62,11 +62,12 @@ fn names_that_are_numbered_cause_no_warning() {
         let contact = Contact { name: "tip".into(), kind: ContactKind::Point, end };
         let builder = Builder::new().text(text, "robot.urdf").self_contained();
         let builder = builder.contacts([contact]).payload(["left_hand"]);
-        let bundle =
-            Bundle::new("state").function(Function::LinkPoses).function(Function::MassMatrix);
+        let fused = FusedFunction::new("state")
+            .function(Function::LinkPoses)
+            .function(Function::MassMatrix);
         let functions =
             [Function::ForwardDynamics, Function::Brge, Function::LinkPoses, Function::MassMatrix];
-        builder.functions(functions).bundles([bundle]).write(&file).expect("good");
+        builder.functions(functions).fused([fused]).write(&file).expect("good");
         assert!(compiles(&file, "#![deny(warnings)]"), "{robot}");
     }
 }
@@ -84,11 +85,11 @@ fn a_file_needs_nothing_but_core() {
         let builder = Builder::new().urdf(robot(&format!("{name}.urdf"))).scalar(float);
         let builder = builder.functions(functions.iter().copied()).self_contained();
         let link = builder.generate().expect("good").model.links()[0].name.clone();
-        let bundle = Bundle::new("state")
+        let fused = FusedFunction::new("state")
             .of_link(Function::Jacobian, link)
             .function(Function::Brge)
             .function(Function::LinkPoses);
-        let builder = builder.bundles([bundle]);
+        let builder = builder.fused([fused]);
         let file = folder.join(format!("{name}.rs"));
         builder.write(&file).expect("good");
         let text = std::fs::read_to_string(&file).expect("written");
@@ -116,9 +117,10 @@ fn a_file_compiles_in_every_edition() {
     let folder = folder("editions");
     let builder =
         Builder::new().urdf(robot("mimic_gripper.urdf")).type_name("Option").c_functions("zoo");
-    let bundle = Bundle::new("state").function(Function::LinkPoses).function(Function::MassMatrix);
+    let fused =
+        FusedFunction::new("state").function(Function::LinkPoses).function(Function::MassMatrix);
     let builder = builder.functions(Function::ALL.iter().copied()).self_contained();
-    let builder = builder.bundles([bundle]);
+    let builder = builder.fused([fused]);
     let link = builder.generate().expect("good").model.links()[0].name.clone();
     let file = folder.join("zoo.rs");
     builder.payload([link]).runtime_gravity().write(&file).expect("good");

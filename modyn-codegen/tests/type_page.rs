@@ -61,13 +61,13 @@ fn it_lists_the_options() {
         .functions([Function::MassMatrix, Function::Jacobian])
         .runtime_gravity()
         .payload(["nail"])
-        .share();
+        .share_limbs();
     let page = page(&changed);
     for option in [
         "- `functions = [mass_matrix, jacobian]`",
         "- `runtime_gravity = true`",
         "- `payload`: `nail`",
-        "- `share = true`",
+        "- `share_limbs = true`",
     ] {
         assert!(page.contains(option), "{page}");
     }

@@ -3,8 +3,8 @@
 use modyn_codegen::TimeStepInput;
 use modyn_codegen::graph::Expr;
 use modyn_codegen::{
-    Builder, Bundle, Function, Interpreter, Rotor, Scalar, Target, UserArgument, UserDerivatives,
-    UserError, UserFunction,
+    Builder, Function, FusedFunction, Interpreter, Rotor, Scalar, Target, UserArgument,
+    UserDerivatives, UserError, UserFunction,
 };
 
 fn robot(name: &str) -> Builder {
@@ -88,19 +88,23 @@ fn names_with_an_error_are_refused() {
         let found = refused(robot("arm7").function(name, REACH));
         assert!(found.contains(message), "{name}: {found}");
     }
-    let control = |name: &str| Bundle::new(name).function(Function::MassMatrix);
-    for (own, bundle, message) in [
-        ("reach", "reach", "function `reach`: its name belongs to bundle `reach`"),
-        ("reach", "reach_vjp", "function `reach`: `reach_vjp` belongs to bundle `reach_vjp`"),
+    let control = |name: &str| FusedFunction::new(name).function(Function::MassMatrix);
+    for (own, fused, message) in [
+        ("reach", "reach", "function `reach`: its name belongs to fused function `reach`"),
+        (
+            "reach",
+            "reach_vjp",
+            "function `reach`: `reach_vjp` belongs to fused function `reach_vjp`",
+        ),
         (
             "reach",
             "reach_jvp_batch",
-            "bundle `reach_jvp_batch`: its name belongs to function `reach`",
+            "fused function `reach_jvp_batch`: its name belongs to function `reach`",
         ),
     ] {
-        let builder = robot("arm7").function(own, REACH).bundles([control(bundle)]);
+        let builder = robot("arm7").function(own, REACH).fused([control(fused)]);
         let found = refused(builder);
-        assert!(found.contains(message), "{own}, {bundle}: {found}");
+        assert!(found.contains(message), "{own}, {fused}: {found}");
     }
     let twice = robot("arm7").function("reach", REACH).function("reach_jvp", REACH);
     let found = refused(twice);
@@ -387,16 +391,16 @@ fn counts_are_as_frozen() {
 }
 
 #[test]
-fn bundles_share_the_work_of_functions() {
+fn fused_functions_share_the_work_of_functions() {
     let builder = robot("arm7").type_name("Arm").function("reach", REACH);
-    let knot = Bundle::new("knot")
+    let knot = FusedFunction::new("knot")
         .own_function("reach_gradient")
         .function(Function::StepSemiImplicitDerivatives)
         .own_function("reach_hessian")
         .batch();
-    let hand = Bundle::new("hand").of_link(Function::LinkPose, "hand").own_function("reach");
+    let hand = FusedFunction::new("hand").of_link(Function::LinkPose, "hand").own_function("reach");
     let builder = builder.functions([Function::StepSemiImplicitDerivatives, Function::LinkPose]);
-    let builder = builder.bundles([knot, hand]);
+    let builder = builder.fused([knot, hand]);
     let generated = builder.generate().expect("good");
     for line in [
         "pub fn knot(q: &[f64; 7], qd: &[f64; 7], tau: &[f64; 7], dt: f64, target: &[f64; 3]) -> ArmKnot<f64> {",
@@ -404,7 +408,8 @@ fn bundles_share_the_work_of_functions() {
         "    pub reach_gradient: ArmReachGradient<T>,",
         "    pub reach_hessian: ArmReachHessian<T>,",
         "pub fn knot_batch(",
-        "/// - bundle `knot`, also for many states: `reach_gradient`, `step_semi_implicit_derivatives`, `reach_hessian`",
+        "/// - fused function `knot`, also for many states: `reach_gradient`, \
+         `step_semi_implicit_derivatives`, `reach_hessian`",
     ] {
         assert!(generated.text.contains(line), "{line}");
     }
@@ -419,29 +424,29 @@ fn bundles_share_the_work_of_functions() {
 }
 
 #[test]
-fn bundles_with_an_error_are_refused() {
-    let bundled = |builder: Builder, name: &str| {
-        let knot = Bundle::new("knot").function(Function::ForwardDynamicsHessian);
-        refused(builder.bundles([knot.own_function(name)]))
+fn fused_functions_with_an_error_are_refused() {
+    let fused = |builder: Builder, name: &str| {
+        let knot = FusedFunction::new("knot").function(Function::ForwardDynamicsHessian);
+        refused(builder.fused([knot.own_function(name)]))
     };
-    let found = bundled(robot("arm7").function("reach", REACH), "reach_gradiant");
+    let found = fused(robot("arm7").function("reach", REACH), "reach_gradiant");
     assert!(
-        found.contains("bundle `knot`: there is no function `reach_gradiant` of yours"),
+        found.contains("fused function `knot`: there is no function `reach_gradiant` of yours"),
         "{found}"
     );
     assert!(found.contains("did you mean `reach_gradient`?"), "{found}");
-    let found = bundled(robot("arm7"), "cost");
+    let found = fused(robot("arm7"), "cost");
     assert!(found.contains("add it with `Builder::function`"), "{found}");
     // The weights of three results, and of seven accelerations.
     let arguments = vec![UserArgument::Q, UserArgument::QD];
     let three = Other { arguments, results: |_| vec![1.0; 3] };
-    let found = bundled(robot("arm7").function("three", three), "three_vjp");
+    let found = fused(robot("arm7").function("three", three), "three_vjp");
     let message = "`forward_dynamics_hessian` and `three_vjp` have different arguments `cotangent`";
     assert!(found.contains(message), "{found}");
     // A link that is not there is found beside an error of the function.
-    let knot = Bundle::new("knot").of_link(Function::LinkPose, "hnd").own_function("reach");
+    let knot = FusedFunction::new("knot").of_link(Function::LinkPose, "hnd").own_function("reach");
     let found =
-        refused(robot("arm7").function("reach", Reach { link: "hnd", ..REACH }).bundles([knot]));
-    assert!(found.contains("bundle `knot`: link `hnd` does not exist"), "{found}");
+        refused(robot("arm7").function("reach", Reach { link: "hnd", ..REACH }).fused([knot]));
+    assert!(found.contains("fused function `knot`: link `hnd` does not exist"), "{found}");
     assert!(found.contains("function `reach`: there is no link `hnd`"), "{found}");
 }

@@ -6,7 +6,7 @@
 
 use std::path::Path;
 
-use modyn_codegen::{Base, Builder, Bundle, Function, RolloutForces, RolloutOptions};
+use modyn_codegen::{Base, Builder, Function, FusedFunction, RolloutForces, RolloutOptions};
 use modyn_gpu::{Gpu, GpuArray, GpuError, Rollout, RolloutArguments};
 
 /// A robot, its task, and the settings of the method.
@@ -142,7 +142,7 @@ fn arm() -> Task {
 
 /// The quadruped rises from a crouch and moves forward slowly.
 fn quadruped() -> Task {
-    let mut feet = Bundle::new("feet");
+    let mut feet = FusedFunction::new("feet");
     for link in ["front_left_foot", "front_right_foot", "hind_left_foot", "hind_right_foot"] {
         feet = feet.of_link(Function::LinkPose, link).of_link(Function::Jacobian, link);
     }
@@ -152,7 +152,7 @@ fn quadruped() -> Task {
     let trunk = [0.0, 0.0, 0.173, 0.0, 0.0, 0.0, 1.0];
     Task {
         name: "quadruped",
-        builder: builder.functions([Function::StepSemiImplicit]).bundles([feet]),
+        builder: builder.functions([Function::StepSemiImplicit]).fused([feet]),
         options: RolloutOptions {
             cost: Some(QUADRUPED_COST.into()),
             forces: Some(forces),

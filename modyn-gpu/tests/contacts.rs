@@ -5,7 +5,8 @@ use modyn_runtime::equations::ForwardInput;
 use modyn_runtime::equations::constraints::ConstrainedOutputs;
 
 use modyn_codegen::{
-    Base, Builder, Bundle, Contact, ContactKind, Function, LoopEnd, RolloutForces, RolloutOptions,
+    Base, Builder, Contact, ContactKind, Function, FusedFunction, LoopEnd, RolloutForces,
+    RolloutOptions,
 };
 use modyn_gpu::{Gpu, Rollout, RolloutArguments};
 use modyn_runtime::equations::TimeStepInput;
@@ -51,13 +52,14 @@ fn quadruped() -> Builder {
         kind: ContactKind::Point,
         end: LoopEnd { link: link.into(), xyz: [0.0; 3], rpy: [0.0; 3] },
     };
-    let feet =
-        FEET.iter().fold(Bundle::new("feet"), |feet, link| feet.of_link(Function::LinkPose, *link));
+    let feet = FEET
+        .iter()
+        .fold(FusedFunction::new("feet"), |feet, link| feet.of_link(Function::LinkPose, *link));
     robot("quadruped")
         .base(Base::Floating)
         .contacts(FEET.map(contact))
         .functions([Function::ConstrainedForwardDynamics, Function::Integrate])
-        .bundles([feet])
+        .fused([feet])
 }
 
 /// Returns settings that stop a foot within a step.

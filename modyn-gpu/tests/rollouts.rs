@@ -85,7 +85,7 @@ fn compare(
     let (mut q, mut qd, mut controls) = (vec![], vec![], vec![]);
     for _ in 0..starts {
         let mut unit = vector(nq);
-        interpreter.normalize(&mut unit).expect("lengths");
+        interpreter.normalize_configuration(&mut unit).expect("lengths");
         q.push(unit.iter().map(single).collect::<Vec<_>>());
         qd.push(vector(nv));
     }

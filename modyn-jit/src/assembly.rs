@@ -17,7 +17,7 @@ use crate::machine::Code;
 use crate::real::Real;
 use crate::values::Values;
 
-/// Returns the counts of the code of each function and bundle for one state, by name. The processor
+/// Returns the counts of the code of each function for one state, by name. The processor
 /// need not have the instruction set.
 ///
 /// # Errors

@@ -119,10 +119,10 @@ impl<S: Real> Compiled<S> {
         self.functions.iter().filter_map(|compiled| compiled.function)
     }
 
-    /// Returns the names of the bundles that can be called.
-    pub fn bundles(&self) -> impl Iterator<Item = &'static str> {
-        let bundles = self.functions.iter().filter(|compiled| compiled.function.is_none());
-        bundles.map(|compiled| compiled.name)
+    /// Returns the names of the fused functions that can be called.
+    pub fn fused_names(&self) -> impl Iterator<Item = &'static str> {
+        let fused = self.functions.iter().filter(|compiled| compiled.function.is_none());
+        fused.map(|compiled| compiled.name)
     }
 
     /// Returns a function, to call it or to ask for its arguments and its size.
@@ -134,14 +134,14 @@ impl<S: Real> Compiled<S> {
         self.call(function.name(), |compiled| compiled.function == Some(function))
     }
 
-    /// Returns the bundle of this name ([`Builder::bundles`]), to call it or to ask for its
+    /// Returns the fused function of this name ([`Builder::fused`]), to call it or to ask for its
     /// arguments and its size. The results of its functions follow one another, as [`Call::result`]
     /// describes them.
     ///
     /// # Errors
     ///
-    /// If there is no such bundle.
-    pub fn bundle(&self, name: &str) -> Result<Call<'_, S>, CallError> {
+    /// If there is no such fused function.
+    pub fn fused(&self, name: &str) -> Result<Call<'_, S>, CallError> {
         self.call(name, |compiled| compiled.function.is_none() && compiled.name == name)
     }
 

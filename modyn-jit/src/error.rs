@@ -24,7 +24,7 @@ pub enum CompileError {
     },
     /// A function has more arguments than machine code can have.
     Arguments {
-        /// The name of the function or bundle.
+        /// The name of the function.
         function: &'static str,
         /// The number of its arrays of numbers, the array of run-time parameters included.
         arrays: usize,
@@ -56,7 +56,7 @@ impl fmt::Display for CompileError {
             Self::Arguments { function, arrays } => write!(
                 f,
                 "`{function}` has {arrays} arrays of arguments with the run-time parameters, and machine code at most \
-                 {MAX_ARRAYS}; leave it out, or divide the bundle"
+                 {MAX_ARRAYS}; leave it out, or divide the fused function"
             ),
             Self::Memory(reason) => {
                 write!(f, "the system gives no executable memory ({reason}); {instead}")
@@ -87,19 +87,19 @@ impl From<Diagnostics> for CompileError {
 pub enum CallError {
     /// The function was not compiled.
     NotCompiled {
-        /// The name of the function or bundle.
+        /// The name of the function.
         function: String,
-        /// The names of the compiled functions and bundles.
+        /// The names of the compiled functions.
         compiled: Vec<&'static str>,
     },
     /// The function was compiled for one state at a time.
     NoBatch {
-        /// The name of the function or bundle.
+        /// The name of the function.
         function: &'static str,
     },
     /// The function has another number of arguments.
     Arguments {
-        /// The name of the function or bundle.
+        /// The name of the function.
         function: &'static str,
         /// The names of its arguments.
         expected: Vec<&'static str>,
@@ -108,7 +108,7 @@ pub enum CallError {
     },
     /// An argument or the result has the wrong length.
     Length {
-        /// The name of the function or bundle.
+        /// The name of the function.
         function: &'static str,
         /// The argument's name, or `result`.
         name: &'static str,
@@ -119,7 +119,7 @@ pub enum CallError {
     },
     /// The length of an argument of a batch is no multiple of its length for one state.
     States {
-        /// The name of the function or bundle.
+        /// The name of the function.
         function: &'static str,
         /// The argument's name.
         name: &'static str,
@@ -130,7 +130,7 @@ pub enum CallError {
     },
     /// The function is one of a link and no link was given, or the other way round.
     Link {
-        /// The name of the function or bundle.
+        /// The name of the function.
         function: &'static str,
         /// The link that was given.
         link: Option<usize>,

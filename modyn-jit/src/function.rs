@@ -9,7 +9,7 @@ use crate::machine::Code;
 
 /// The code of a function.
 pub(crate) struct CompiledFunction {
-    /// The function; `None` for a bundle.
+    /// The function; `None` for a fused function.
     pub function: Option<Function>,
     pub name: &'static str,
     pub arguments: Vec<(&'static str, Shape)>,

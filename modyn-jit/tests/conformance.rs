@@ -44,7 +44,7 @@ impl MachineCode {
             let all = compiled.functions().find(|one| one.name() == function);
             let call = match all {
                 Some(function) => compiled.function(function),
-                None => compiled.bundle(function),
+                None => compiled.fused(function),
             };
             let call = call.expect("compiled");
             // The numbers of all states; calls have the arrays that are not empty.

@@ -86,8 +86,8 @@ fn every_function_of_trees() {
 fn plan(model: &Model, functions: &[Function], execution: Execution) -> Plan {
     let choices = Choices {
         functions: functions.to_vec(),
-        share: execution == Execution::Scalar,
-        code: CodeForm::Fast,
+        share_limbs: execution == Execution::Scalar,
+        code: CodeForm::Unrolled,
         ..Choices::default()
     };
     Plan::new(model, &ModuleTree::chains(model), &choices, execution).expect("short")

@@ -1,10 +1,10 @@
 //! The tests of machine code, one module a topic.
 
-mod bundles;
 mod calls;
 mod code_size;
 mod conformance;
 mod contacts;
+mod fused;
 mod interpreter;
 mod memory;
 mod object;

@@ -1,8 +1,8 @@
 //! Functions of users as machine code give the numbers of the same functions on numbers, and derivatives along displacements.
 
 use modyn_codegen::{
-    Builder, Bundle, Function, Interpreter, Scalar, UserArgument, UserDerivatives, UserError,
-    UserFunction,
+    Builder, Function, FusedFunction, Interpreter, Scalar, UserArgument, UserDerivatives,
+    UserError, UserFunction,
 };
 use modyn_jit::{Compiled, InstructionSet, Options};
 use modyn_tests::random;
@@ -40,10 +40,10 @@ fn machine_code_gives_the_numbers_of_the_function() {
     for seed in 0..4 {
         let model = random::general_zoo(seed, 4);
         let n = model.nv();
-        let knot = Bundle::new("knot").own_function("terms_jacobian").own_function("terms");
+        let knot = FusedFunction::new("knot").own_function("terms_jacobian").own_function("terms");
         let knot = knot.function(Function::ForwardDynamics);
         let planning = Builder::new().model(model.clone()).functions([Function::ForwardDynamics]);
-        let planning = planning.bundles([knot]).function("terms", Terms).plan().expect("good");
+        let planning = planning.fused([knot]).function("terms", Terms).plan().expect("good");
         let random::State { q, qd, tau, .. } = random::state(seed, &model);
         let target = [0.3, -0.4, 0.5];
         let mut robot = Interpreter::<f64>::new(model);
@@ -68,8 +68,8 @@ fn machine_code_gives_the_numbers_of_the_function() {
             (options.instruction_set, options.batches) = (Some(instruction_set), true);
             let compiled = Compiled::<f64>::from_plan(&planning, options).expect("code");
             let names = ["knot", "terms", "terms_jvp", "terms_vjp", "terms_jacobian"];
-            assert!(compiled.bundles().eq(names));
-            let call = compiled.bundle("terms").expect("compiled");
+            assert!(compiled.fused_names().eq(names));
+            let call = compiled.fused("terms").expect("compiled");
             let mut found = vec![f64::NAN; 2];
             call.one(&[&q, &qd, &target], &mut found).expect("fits");
             let close = |found: &[f64], expected: &[f64], tolerance: f64| {
@@ -82,7 +82,7 @@ fn machine_code_gives_the_numbers_of_the_function() {
                 }
             };
             close(&found, &value, 1e-12);
-            let call = compiled.bundle("terms_jvp").expect("compiled");
+            let call = compiled.fused("terms_jvp").expect("compiled");
             let mut found = vec![f64::NAN; 4];
             call.one(&[&q, &qd, &target, &dq, &dqd], &mut found).expect("fits");
             close(&found[..2], &value, 1e-12);
@@ -92,8 +92,8 @@ fn machine_code_gives_the_numbers_of_the_function() {
             let mut many = vec![f64::NAN; 4 * states];
             call.many(&repeated.each_ref().map(Vec::as_slice), &mut many).expect("fits");
             many.chunks(4).for_each(|state| close(state, &found, 1e-12));
-            // A bundle has the numbers of its functions.
-            let jacobian = compiled.bundle("terms_jacobian").expect("compiled");
+            // A fused function has the numbers of its functions.
+            let jacobian = compiled.fused("terms_jacobian").expect("compiled");
             let mut expected = vec![f64::NAN; jacobian.result().len()];
             jacobian.one(&[&q, &qd, &target], &mut expected).expect("fits");
             expected.extend(&value);
@@ -101,7 +101,7 @@ fn machine_code_gives_the_numbers_of_the_function() {
             let mut qdd = vec![f64::NAN; n];
             dynamics.one(&[&q, &qd, &tau], &mut qdd).expect("fits");
             expected.extend(qdd);
-            let knot = compiled.bundle("knot").expect("compiled");
+            let knot = compiled.fused("knot").expect("compiled");
             let mut found = vec![f64::NAN; expected.len()];
             knot.one(&[&q, &qd, &tau, &target], &mut found).expect("fits");
             close(&found, &expected, 1e-9);

@@ -1,8 +1,7 @@
 //! The input of the macro: `[[visibility] Name =] "path" [, option = value]*`.
 
 use modyn_codegen::Builder;
-use modyn_codegen::diagnostics::suggest;
-use modyn_codegen::options::{Entries, OPTIONS, Value};
+use modyn_codegen::options::{Entries, OPTIONS, Value, unknown_option};
 use proc_macro2::{Delimiter, Literal, Spacing, Span, TokenStream, TokenTree};
 use quote::ToTokens as _;
 use syn::ext::IdentExt as _;
@@ -75,13 +74,10 @@ fn option(builder: Builder, given: &mut Vec<Ident>, input: ParseStream<'_>) -> R
     input.parse::<Token![=]>()?;
     let option = name.to_string();
     let value = Text::of_value(input)?;
-    let known = || OPTIONS.iter().filter(|row| row.entries == Entries::All).map(|row| row.name);
-    if !known().any(|known| known == option) {
-        let help = match suggest(&option, known()) {
-            Some(meant) => format!("did you mean `{meant}`?"),
-            None => format!("options are {}", known().collect::<Vec<_>>().join(", ")),
-        };
-        return Err(Error::new(name.span(), format!("there is no option `{option}`; {help}")));
+    let rows = OPTIONS.iter().filter(|row| row.entries == Entries::All);
+    let known: Vec<&str> = rows.map(|row| row.name).collect();
+    if !known.contains(&&*option) {
+        return Err(Error::new(name.span(), unknown_option(&option, &known)));
     }
     Value::parse(&value.text)
         .and_then(|parsed| builder.set(&option, &parsed))

@@ -457,8 +457,8 @@ fn views<'py, S: Number>(
             let fields = of_fields.collect::<PyResult<Vec<_>>>()?;
             let class = match class {
                 Class::Package(name) => py.import("modyn._results")?.getattr(*name)?,
-                Class::Bundle(name) => {
-                    py.import("modyn._types")?.getattr("bundle")?.call1((*name, names))?
+                Class::Fused(name) => {
+                    py.import("modyn._types")?.getattr("fused")?.call1((*name, names))?
                 }
             };
             class.call1(PyTuple::new(py, fields)?)

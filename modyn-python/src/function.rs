@@ -26,7 +26,7 @@ const MAX_ARGUMENTS: usize = 16;
 /// The size of the longest vectors, whose lanes are states.
 const MAX_VECTOR_BYTES: usize = 64;
 
-/// A function or a bundle of a robot, compiled for either scalar.
+/// A function or a fused function of a robot, compiled for either scalar.
 pub trait RobotFunction: Send + Sync {
     /// Returns the arguments, with the lengths of their axes.
     fn arguments(&self) -> &[(Argument, Vec<usize>)];
@@ -79,7 +79,7 @@ pub fn interpreted(
     }
 }
 
-/// A function or a bundle of a robot, compiled for a scalar.
+/// A function or a fused function of a robot, compiled for a scalar.
 struct Typed<S: Number> {
     name: &'static str,
     arguments: Vec<(Argument, Vec<usize>)>,
@@ -89,7 +89,7 @@ struct Typed<S: Number> {
     settings: Vec<S>,
     /// The settings of steps by the description.
     step_settings: Vec<S>,
-    /// The function; `None` for a bundle.
+    /// The function; `None` for a fused function.
     function: Option<Function>,
     result: Layout,
     /// The numbers of a result of one state.
@@ -372,7 +372,7 @@ impl<S: Number> Typed<S> {
     fn machine<'c>(&self, compiled: &'c Compiled<S>) -> PyResult<Call<'c, S>> {
         let call = match self.function {
             Some(function) => compiled.function(function),
-            None => compiled.bundle(self.name),
+            None => compiled.fused(self.name),
         };
         call.map_err(|error| PyValueError::new_err(error.to_string()))
     }

@@ -17,14 +17,14 @@ pub enum Layout {
 pub enum Class {
     /// A type of the package.
     Package(&'static str),
-    /// The type of a bundle's results, which the robot defines.
-    Bundle(&'static str),
+    /// The type of a fused function's results, which the robot defines.
+    Fused(&'static str),
 }
 
 impl Class {
     /// Returns the name.
     pub fn name(self) -> &'static str {
-        let (Self::Package(name) | Self::Bundle(name)) = self;
+        let (Self::Package(name) | Self::Fused(name)) = self;
         name
     }
 }
@@ -52,7 +52,7 @@ impl Leaf {
     }
 }
 
-/// Returns the layout of a function's or a bundle's result.
+/// Returns the layout of a function's or a fused function's result.
 pub fn of_result(result: &Shape) -> Layout {
     layout(result, 0, &[])
 }
@@ -72,7 +72,7 @@ fn layout(shape: &Shape, offset: usize, outer: &[(usize, usize)]) -> Layout {
     let leaf =
         |axes: &[(usize, usize)]| Layout::Array(Leaf { offset, axes: [outer, axes].concat() });
     let class = |record: &Record| match record {
-        Record::Bundle(name) => Some(Class::Bundle(name)),
+        Record::Fused(name) => Some(Class::Fused(name)),
         record => record.result_type().map(Class::Package),
     };
     match shape {

@@ -43,9 +43,10 @@ use crate::robot::{Robot, Source};
 /// Reads the robot of a file: URDF, xacro, SDF or MJCF.
 ///
 /// The keyword arguments are modyn's options about a robot: `gravity`, `base`, `mimic`, `rotors`,
-/// `loops`, `contacts`, `ground`, `actuators`, `friction`, `unphysical_inertia`, `unread_forces`,
-/// `packages`, `xacro_args`, `bundles`, `modules`, `scalar`, `runtime_gravity`, `runtime_inertia` and
-/// `payload`; with `machine_code=False`, functions are evaluated instead of compiled.
+/// `loops`, `contacts`, `ground`, `actuators`, `joint_friction`, `unphysical_inertia`,
+/// `unsupported_forces`, `packages`, `xacro_args`, `fused`, `modules`, `scalar`, `runtime_gravity`,
+/// `runtime_inertia` and `payload`; with `machine_code=False`, functions are evaluated instead of
+/// compiled.
 ///
 /// `OSError` if the file cannot be read, `DescriptionError` with file, line and column if the
 /// description is wrong.

@@ -110,7 +110,7 @@ impl Robot {
         self.call(py, 5, &[Some(q), Some(qd)], None, out)
     }
 
-    /// Returns the kinetic energy of the moving links and the rotors, J.
+    /// Returns the kinetic energy of the moving links and the armatures, J.
     ///
     /// Arguments: `q`: (nq,); `qd`: (nv,).
     /// Result: a number. Several states have one more axis, the first.
@@ -1038,8 +1038,8 @@ impl Robot {
         self.call(py, 48, &[Some(q), contacts, settings], None, out)
     }
 
-    /// Returns the regressor Y of inverse dynamics: tau = Y pi, without rotors and friction. pi has
-    /// ten entries for each moving link: mass, mass times centre of mass x, y, z, and Ixx, Ixy,
+    /// Returns the regressor Y of inverse dynamics: tau = Y pi, without armatures and friction. pi
+    /// has ten entries for each moving link: mass, mass times centre of mass x, y, z, and Ixx, Ixy,
     /// Ixz, Iyy, Iyz, Izz about the link's origin in the link's own axes (`parameters`).
     ///
     /// Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,).
@@ -1086,7 +1086,7 @@ impl Robot {
     }
 
     /// Returns the centroidal momentum matrix. Its product with `qd` is the momentum about the
-    /// centre of mass, in world axes. Rotors have energy, but no momentum: their axes are not
+    /// centre of mass, in world axes. Armatures have energy, but no momentum: their axes are not
     /// described.
     ///
     /// Arguments: `q`: (nq,).
@@ -1119,8 +1119,8 @@ impl Robot {
         self.call(py, 53, &[Some(q)], None, out)
     }
 
-    /// Returns the momentum of the moving links about their centre of mass, in world axes. Rotors
-    /// have energy, but no momentum: their axes are not described.
+    /// Returns the momentum of the moving links about their centre of mass, in world axes.
+    /// Armatures have energy, but no momentum: their axes are not described.
     ///
     /// Arguments: `q`: (nq,); `qd`: (nv,).
     /// Result: (6,), angular before linear components. Several states have one more axis, the
@@ -1483,7 +1483,7 @@ impl Robot {
     /// Arguments: `q`: (nq,).
     /// Result: (nq,). Several states have one more axis, the first.
     #[pyo3(signature = (q, *, out=None))]
-    fn normalize<'py>(
+    fn normalize_configuration<'py>(
         &self,
         py: Python<'py>,
         q: &Bound<'py, PyAny>,
@@ -1499,7 +1499,7 @@ impl Robot {
     /// Arguments: `uniforms`: (nv,).
     /// Result: (nq,). Several states have one more axis, the first.
     #[pyo3(signature = (uniforms, *, out=None))]
-    fn random<'py>(
+    fn random_configuration<'py>(
         &self,
         py: Python<'py>,
         uniforms: &Bound<'py, PyAny>,

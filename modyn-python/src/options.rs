@@ -1,17 +1,16 @@
 //! Keyword arguments as options: values of Python as values of modyn's option table.
 
-use modyn_codegen::diagnostics::suggest;
 use modyn_codegen::options::{
-    Entries, OPTIONS, OptionError, OptionRow, OptionValue, Stage, Value, ValueKind,
+    Entries, OPTIONS, OptionError, OptionRow, OptionValue, Stage, Value, ValueKind, unknown_option,
 };
-use modyn_codegen::{Builder, Bundle, FloatType, ModuleChoice};
+use modyn_codegen::{Builder, FloatType, FusedFunction, ModuleChoice};
 use modyn_runtime::model::{Model, ModuleTree};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyList, PyString, PyTuple, PyType};
 
 /// The options about code that have no meaning for machine code.
-const OF_TEXT: &[&str] = &["functions", "share", "embed_model", "code", "crate"];
+const OF_TEXT: &[&str] = &["functions", "share_limbs", "embed_model", "code", "crate"];
 
 /// Returns the options that `load` takes.
 pub fn rows() -> impl Iterator<Item = &'static OptionRow> {
@@ -29,12 +28,8 @@ pub fn apply(mut builder: Builder, options: &Bound<'_, PyDict>) -> PyResult<Buil
     for (name, value) in options {
         let name: String = name.extract()?;
         let Some(row) = rows().find(|row| row.name == name) else {
-            let names = || rows().map(|row| row.name);
-            let help = match suggest(&name, names()) {
-                Some(meant) => format!("did you mean `{meant}`?"),
-                None => format!("there are: {}", names().collect::<Vec<_>>().join(", ")),
-            };
-            return Err(PyTypeError::new_err(format!("there is no option `{name}`; {help}")));
+            let known: Vec<&str> = rows().map(|row| row.name).collect();
+            return Err(PyTypeError::new_err(unknown_option(&name, &known)));
         };
         if value.is_none() {
             continue;
@@ -76,16 +71,16 @@ pub fn example(row: &OptionRow) -> String {
     Value::parse(row.example).map_or_else(|_| row.example.into(), |value| value.in_python())
 }
 
-/// Returns the bundles of the option `bundles`.
+/// Returns the fused functions of the option `fused`.
 ///
 /// # Errors
 ///
-/// `ValueError` if the value has another form, or a bundle cannot have a function.
-pub fn bundles(wanted: &Bound<'_, PyAny>) -> PyResult<Vec<Bundle>> {
-    let value = parsed("bundles", wanted)?;
-    let bundles = value.items().iter().map(Bundle::read);
+/// `ValueError` if the value has another form, or a fused function cannot have a function.
+pub fn fused(wanted: &Bound<'_, PyAny>) -> PyResult<Vec<FusedFunction>> {
+    let value = parsed("fused", wanted)?;
+    let fused = value.items().iter().map(FusedFunction::read);
     let is_text = wanted.is_instance_of::<PyString>();
-    bundles.collect::<Result<_, _>>().map_err(|fault| wrong(row("bundles"), is_text, fault))
+    fused.collect::<Result<_, _>>().map_err(|fault| wrong(row("fused"), is_text, fault))
 }
 
 /// Returns the scalar of the option `scalar`.

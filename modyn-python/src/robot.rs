@@ -8,7 +8,7 @@ use modyn_codegen::diagnostics::{Code, suggest};
 use modyn_codegen::plan::{EntryFunction, Sizes};
 use modyn_codegen::trace::Parameters;
 use modyn_codegen::{
-    Builder, Bundle, FloatType, Function, ReadOptions, Shapes, joints_without_inertia,
+    Builder, FloatType, Function, FusedFunction, ReadOptions, Shapes, joints_without_inertia,
 };
 use modyn_runtime::equations::identification::{BaseParameter, BaseParameters};
 use modyn_runtime::model::{Keyframe, Link, Model, ModuleTree};
@@ -50,7 +50,7 @@ pub struct Robot {
     scalar: FloatType,
     machine_code: bool,
     functions: Vec<Slot>,
-    bundles: Vec<(String, Bundle, Slot)>,
+    fused: Vec<(String, FusedFunction, Slot)>,
     changes: Mutex<Vec<Change>>,
     parameters: Parameters,
     /// The functions of arrays that are compiled.
@@ -88,7 +88,7 @@ impl Robot {
             Some(wanted) => wanted.extract()?,
             None => true,
         };
-        for option in ["machine_code", "bundles"] {
+        for option in ["machine_code", "fused"] {
             if keywords.contains(option)? {
                 keywords.del_item(option)?;
             }
@@ -100,16 +100,16 @@ impl Robot {
             None => builder,
         };
         let builder = options::apply(in_folder, &keywords)?.functions([]);
-        let bundles = match arguments.get_item("bundles")? {
-            Some(wanted) if !wanted.is_none() => options::bundles(&wanted)?,
+        let fused = match arguments.get_item("fused")? {
+            Some(wanted) if !wanted.is_none() => options::fused(&wanted)?,
             _ => Vec::new(),
         };
-        let whole = builder.clone().bundles(bundles.iter().cloned());
+        let whole = builder.clone().fused(fused.iter().cloned());
         let planning = whole.plan().map_err(|errors| description_error(py, &errors))?;
         let modules = options::modules(arguments, &planning.model)?;
         warn_of_description(py, &planning.warnings)?;
         let names = planning.plan.functions.iter().map(|planned| planned.name.to_owned());
-        let bundles = names.zip(bundles).map(|(name, bundle)| (name, bundle, OnceLock::new()));
+        let fused = names.zip(fused).map(|(name, fused)| (name, fused, OnceLock::new()));
         let model = planning.model;
         let parameters = planning.plan.parameters;
         let links = model.frames().iter().enumerate();
@@ -123,7 +123,7 @@ impl Robot {
             scalar: options::scalar(arguments)?,
             machine_code,
             functions: Function::ALL.iter().map(|_| OnceLock::new()).collect(),
-            bundles: bundles.collect(),
+            fused: fused.collect(),
             changes: Mutex::default(),
             parameters,
             array_codes: Mutex::default(),
@@ -212,8 +212,8 @@ impl Robot {
                 format!(
                     "`{}` needs inertia, and joint `{joint}` moves none, since its link has none: \
                      the robot has kinematic \
-                     functions alone; write the `<inertial>` of the link, or give the joint a rotor, \
-                     `rotors={{\"{joint}\": (1, 1)}}`",
+                     functions alone; write the `<inertial>` of the link, or give the joint an armature, \
+                     `armature={{\"{joint}\": 1}}`",
                     function.name()
                 )
             };
@@ -275,8 +275,8 @@ impl Robot {
         self.function(py, first.unwrap_or_default())?
             .apply(&change, &self.model)
             .map_err(PyValueError::new_err)?;
-        let bundles = self.bundles.iter().map(|(_, _, slot)| slot);
-        for function in self.functions.iter().chain(bundles).filter_map(OnceLock::get) {
+        let fused = self.fused.iter().map(|(_, _, slot)| slot);
+        for function in self.functions.iter().chain(fused).filter_map(OnceLock::get) {
             function.apply(&change, &self.model).map_err(PyValueError::new_err)?;
         }
         self.changes.lock().unwrap_or_else(PoisonError::into_inner).push(change);
@@ -361,10 +361,10 @@ impl Robot {
         Ok(all.map(|(option, link, count)| (option, link, next(count))).collect())
     }
 
-    /// Returns the bundles.
+    /// Returns the fused functions.
     #[cfg(feature = "gpu")]
-    pub fn bundles(&self) -> impl Iterator<Item = &Bundle> {
-        self.bundles.iter().map(|(_, bundle, _)| bundle)
+    pub fn fused(&self) -> impl Iterator<Item = &FusedFunction> {
+        self.fused.iter().map(|(_, fused, _)| fused)
     }
 
     /// Returns the robot.
@@ -660,10 +660,10 @@ impl Robot {
         class.call1((names, columns, values))
     }
 
-    /// The names of the bundles, each of which is a method.
+    /// The names of the fused functions, each of which is a method.
     #[getter]
-    fn bundle_names(&self) -> Vec<&str> {
-        self.bundles.iter().map(|(name, ..)| name.as_str()).collect()
+    fn fused_names(&self) -> Vec<&str> {
+        self.fused.iter().map(|(name, ..)| name.as_str()).collect()
     }
 
     /// Returns the neutral coordinates, (nq,): zero for every joint, the identity for quaternions.
@@ -756,9 +756,10 @@ impl Robot {
         self.change(py, Change::Payload(link, Inertial { mass, center_of_mass, inertia }))
     }
 
-    /// Calls a bundle by its name, with the arguments of all its functions by position or name.
+    /// Calls a fused function by its name, with the arguments of all its functions by position or
+    /// name.
     #[pyo3(signature = (name, *arguments, out=None, **named))]
-    fn bundle<'py>(
+    fn fused<'py>(
         &self,
         py: Python<'py>,
         name: &str,
@@ -766,18 +767,15 @@ impl Robot {
         out: Option<&Bound<'py, PyAny>>,
         named: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let Some((_, bundle, slot)) =
-            self.bundles.iter().find(|(bundle_name, ..)| bundle_name == name)
+        let Some((_, fused, slot)) = self.fused.iter().find(|(fused_name, ..)| fused_name == name)
         else {
-            let names = self.bundle_names().join(", ");
-            let message = format!("there is no bundle `{name}`; there are: {names}");
+            let names = self.fused_names().join(", ");
+            let message = format!("there is no fused function `{name}`; there are: {names}");
             return Err(PyValueError::new_err(message));
         };
         let function = match slot.get() {
             Some(function) => &**function,
-            None => {
-                self.compiled(py, self.builder.clone().bundles([bundle.clone()]), None, slot)?
-            }
+            None => self.compiled(py, self.builder.clone().fused([fused.clone()]), None, slot)?,
         };
         let parameters = function.arguments();
         let count = parameters.len();
@@ -809,11 +807,11 @@ impl Robot {
         function.call(py, None, &given, out)
     }
 
-    /// Returns a bundle as a callable.
+    /// Returns a fused function as a callable.
     fn __getattr__<'py>(slf: &Bound<'py, Self>, name: &str) -> PyResult<Bound<'py, PyAny>> {
-        if slf.get().bundles.iter().any(|(bundle_name, ..)| bundle_name == name) {
+        if slf.get().fused.iter().any(|(fused_name, ..)| fused_name == name) {
             let partial = slf.py().import("functools")?.getattr("partial")?;
-            return partial.call1((slf.getattr("bundle")?, name));
+            return partial.call1((slf.getattr("fused")?, name));
         }
         let class = slf.get_type();
         let names: Vec<String> = class.dir()?.extract()?;
@@ -824,10 +822,10 @@ impl Robot {
         Err(PyAttributeError::new_err(format!("`Robot` has no attribute `{name}`{help}")))
     }
 
-    /// Returns the names of attributes, bundles included.
+    /// Returns the names of attributes, fused functions included.
     fn __dir__(slf: &Bound<'_, Self>) -> PyResult<Vec<String>> {
         let mut names: Vec<String> = slf.get_type().dir()?.extract()?;
-        names.extend(slf.get().bundles.iter().map(|(name, ..)| name.clone()));
+        names.extend(slf.get().fused.iter().map(|(name, ..)| name.clone()));
         Ok(names)
     }
 

@@ -55,7 +55,7 @@ def chain(seed, joints=6, branches=2):
 def states(robot, n, seed=0):
     """Returns n random states: coordinates, velocities, accelerations, joint forces."""
     rng = np.random.default_rng(seed)
-    q = robot.random(rng.random((n, robot.nv)))
+    q = robot.random_configuration(rng.random((n, robot.nv)))
     for joint in robot.joints:
         if joint.type == "floating":
             q[:, joint.q][:, :3] = rng.normal(size=(n, 3))
@@ -93,4 +93,4 @@ def in_threads(work):
 
 @pytest.fixture
 def panda():
-    return modyn.load(GOLDEN / "panda.urdf", friction="none")
+    return modyn.load(GOLDEN / "panda.urdf", joint_friction="none")

@@ -63,7 +63,7 @@ def test_robots_without_actuators_do_not_have_the_function():
 
 
 def test_applied_forces_are_added_to_those_of_the_actuators():
-    robot = modyn.loads(TEXT.format(ACTUATORS), file="m.xml", friction="none")
+    robot = modyn.loads(TEXT.format(ACTUATORS), file="m.xml", joint_friction="none")
     q, qd, ctrl, act = (x[0] for x in states(robot, 1))
     applied = np.array([0.3, -0.2])
     tau, after = robot.actuate(q, qd, ctrl, 0.004, act)
@@ -84,7 +84,7 @@ def test_gradients_of_steps_under_controls(integrator):
 
     jax.config.update("jax_enable_x64", True)
     text = TEXT.format(ACTUATORS).replace("<option ", f'<option integrator="{integrator}" ')
-    robot = modyn.loads(text, file="m.xml", friction="none")
+    robot = modyn.loads(text, file="m.xml", joint_friction="none")
     rng = np.random.default_rng(5)
     q, qd, act, applied = (0.3 * rng.normal(size=n) for n in (2, 2, 2, 2))
     ctrl = 0.3 * rng.normal(size=(6, 4))
@@ -158,7 +158,7 @@ def test_torque_speed_lines_and_delays(delay, machine_code):
     """Rollouts beside steps under the forces of the formulas, on both sides of each kink."""
     numbers = dict(kp=90, kd=0.6, effort=9, saturation=14, velocity=2.5)
     law = ("position", 90, 0.6, {"effort": 9, "saturation": 14, "velocity": 2.5, "delay": delay})
-    robot = modyn.loads(chain(3), base="floating", friction="none", actuators={"*": law}, machine_code=machine_code)
+    robot = modyn.loads(chain(3), base="floating", joint_friction="none", actuators={"*": law}, machine_code=machine_code)
     names = robot.control_names
     assert robot.activation_names == [f"{name}_before_{k}" for name in names for k in range(delay, 0, -1)]
     places = [robot.velocity_names.index(name) for name in names]
@@ -192,7 +192,7 @@ def test_gradients_of_torque_speed_lines_and_delays():
 
     jax.config.update("jax_enable_x64", True)
     law = ("position", 40, 0.6, {"effort": 9, "saturation": 14, "velocity": 2.5, "delay": 2})
-    robot = modyn.loads(chain(3, joints=3), friction="none", actuators={"*": law})
+    robot = modyn.loads(chain(3, joints=3), joint_friction="none", actuators={"*": law})
     rollout = modyn.jax.rollout(robot, "actuated")
     rng = np.random.default_rng(7)
     given = [0.3 * rng.normal(size=3), 2 * rng.normal(size=3), 0.5 * rng.normal(size=(5, 3)), 0.5 * rng.normal(size=6)]

@@ -201,7 +201,7 @@ def calls(robot, n):
 @pytest.mark.parametrize("options", [{}, {"scalar": "f32"}, {"machine_code": False}])
 @pytest.mark.parametrize("n", [None, 5])
 def test_out_at_an_odd_address_is_written(n, options):
-    robot = modyn.load(GOLDEN / "panda.urdf", friction="none", **options)
+    robot = modyn.load(GOLDEN / "panda.urdf", joint_friction="none", **options)
     written = 0
     for name, arguments in calls(robot, n).items():
         function = getattr(robot, name)
@@ -291,7 +291,7 @@ def test_interrupts_of_arguments_stay_interrupts(panda):
 
 MEMORY = """
 import resource, sys, numpy as np, modyn
-robot = modyn.load(sys.argv[1], friction="none")
+robot = modyn.load(sys.argv[1], joint_friction="none")
 z, one = np.zeros(7), np.zeros((1, 7))
 robot.forward_dynamics_derivatives(one, z, z)
 robot.mass_matrix(one), robot.rollout(one, z, np.zeros((2, 7)), 1e-3), robot.rollout_vjp(one, z, np.zeros((2, 7)), 1e-3, np.zeros((2, 7)), np.zeros((2, 7)))

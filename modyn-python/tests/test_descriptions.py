@@ -36,7 +36,7 @@ def test_a_pendulum():
 
 
 def test_names_of_a_floating_base():
-    robot = modyn.load(GOLDEN / "solo12.urdf", base="floating", friction="none")
+    robot = modyn.load(GOLDEN / "solo12.urdf", base="floating", joint_friction="none")
     assert (robot.nq, robot.nv) == (19, 18)
     assert [joint.type for joint in robot.joints[:2]] == ["floating", "revolute"]
     assert robot.joints[0].q == slice(0, 7) and robot.joints[0].v == slice(0, 6)
@@ -99,7 +99,7 @@ def test_options(tmp_path):
     close(geared.mass_matrix([0.2]), [[0.6 + 1.0]])
     same = modyn.loads(PENDULUM, rotors='["pivot": (0.0001, 100)]')
     close(same.mass_matrix([0.2]), [[1.6]])
-    panda = {f: modyn.load(GOLDEN / "panda.urdf", friction=f) for f in ("none", "viscous", "smooth(0.01)")}
+    panda = {f: modyn.load(GOLDEN / "panda.urdf", joint_friction=f) for f in ("none", "viscous", "smooth(0.01)")}
     q, qd, qdd, _ = (x[0] for x in states(panda["none"], 1))
     forces = [robot.inverse_dynamics(q, qd, qdd) for robot in panda.values()]
     assert np.abs(forces[1] - forces[0]).max() > 1e-3 and np.abs(forces[2] - forces[0]).max() > 1e-3
@@ -110,12 +110,14 @@ def test_options(tmp_path):
     [
         ({"bse": "fixed"}, TypeError, "no option `bse`; did you mean `base`"),
         ({"functions": "all"}, TypeError, "no option `functions`; there are: gravity, base"),
-        ({"base": "flying"}, ValueError, "option `base`: expected `described` or `fixed` or `floating`"),
+        ({"friction": "none"}, TypeError, "the option `friction` is named `joint_friction` now"),
+        ({"share": True}, TypeError, "no option `share`"),
+        ({"base": "flying"}, ValueError, "option `base`: expected `auto` or `fixed` or `floating`"),
         ({"gravity": 3}, ValueError, "option `gravity`: expected three numbers"),
         ({"rotors": {"pivot": object()}}, ValueError, "option `rotors`: .* has another type; for example rotors="),
         ({"rotors": {"pivit": (1, 1)}}, modyn.DescriptionError, "pivit"),
         ({"payload": ["hand"]}, modyn.DescriptionError, "hand"),
-        ({"bundles": {"both": ["mas_matrix"]}}, ValueError, "did you mean `mass_matrix`"),
+        ({"fused": {"both": ["mas_matrix"]}}, ValueError, "did you mean `mass_matrix`"),
         ({"modules": [["rod", "bar"]]}, modyn.DescriptionError, "bar"),
         (
             {"contacts": {"toe": "rod"}},
@@ -125,15 +127,15 @@ def test_options(tmp_path):
         ),
         ({"contacts": '["toe": rod]'}, ValueError, r'expected `"name": point\("link"\)`'),
         ({"contacts": {"toe": ("pont", "rod")}}, ValueError, "expected `point` or `surface`; for example contacts="),
-        ({"bundles": {"both": [3]}}, ValueError, r'another form than in bundles={"control": \["mass_matrix", '),
+        ({"fused": {"both": [3]}}, ValueError, r'another form than in fused={"control": \["mass_matrix", '),
         ({"ground": ("plane", [0, 0, 1])}, ValueError, r'another form than in ground=\("plane", \[0, 0, 0.1\], \[0, 0, 1\]\)'),
         ({"ground": "wall"}, ValueError, r"expected `plane` or `plane\(\[x, y, z\], \[nx, ny, nz\]\)`"),
         ({"actuators": {"pivot": ("position", 20)}}, ValueError, r'another form than in actuators={"elb\*": \("position", 20, 0.5, {'),
         ({"actuators": {"pivot": ("motor", {"delay": 0.5})}}, ValueError, "a whole number of steps: `delay = 2`; for example"),
         ({"actuators": '"pivot": servo'}, ValueError, r'expected `"joint": position\(kp, kd\)`'),
         ({"actuators": {"pivit": "motor"}}, modyn.DescriptionError, "did you mean `pivot`"),
-        ({"friction": ("smooth", "fast")}, ValueError, r'expected a number; for example friction=\("smooth", 0.01\)'),
-        ({"friction": ("smooth",)}, ValueError, r'another form than in friction=\("smooth", 0.01\)'),
+        ({"joint_friction": ("smooth", "fast")}, ValueError, r'expected a number; for example joint_friction=\("smooth", 0.01\)'),
+        ({"joint_friction": ("smooth",)}, ValueError, r'another form than in joint_friction=\("smooth", 0.01\)'),
     ],
 )
 def test_wrong_options(options, error, message):
@@ -213,7 +215,7 @@ def test_parameters_that_change():
 def test_parameters_of_functions_without_machine_code():
     """Products in both modes and a step, with run-time gravity, have more arguments than machine code can have."""
     options = {"runtime_gravity": True, "payload": "link4", "runtime_inertia": "link1"}
-    options["bundles"] = {"both": ["forward_dynamics_jvp", "forward_dynamics_vjp", "step_rk4"]}
+    options["fused"] = {"both": ["forward_dynamics_jvp", "forward_dynamics_vjp", "step_rk4"]}
     robot, slow = modyn.loads(chain(6), **options), modyn.loads(chain(6), machine_code=False, **options)
     q, qd, qdd, tau = (x[0] for x in states(robot, 1))
     state, direction = (q, qd, tau), (qd, tau, qdd)
@@ -246,14 +248,14 @@ def test_pickles_and_copies(panda):
     assert type(again) is modyn.ForwardDynamicsDerivatives and np.array_equal(again.dq, derivatives.dq)
 
 
-def test_bundles(panda):
+def test_fused(panda):
     robot = modyn.load(
         GOLDEN / "panda.urdf",
-        friction="none",
-        bundles={"control": ["mass_matrix", "bias_forces", ("jacobian", "panda_hand"), ("link_pose", "panda_hand")]},
+        joint_friction="none",
+        fused={"control": ["mass_matrix", "bias_forces", ("jacobian", "panda_hand"), ("link_pose", "panda_hand")]},
     )
     q, qd, *_ = states(robot, 4)
-    assert robot.bundle_names == ["control"] and "control" in dir(robot)
+    assert robot.fused_names == ["control"] and "control" in dir(robot)
     for i in range(4):
         state = robot.control(q[i], qd=qd[i])
         close(state.mass_matrix, panda.mass_matrix(q[i]))
@@ -286,18 +288,18 @@ def test_the_factorization(panda):
     close(factors.d_inverse() @ factors.d(), np.eye(7), 1e-9)
     links = [[f"panda_link{i}"] for i in range(1, 8)]
     for modules in ("links", links, str(links).replace("'", '"')):
-        single = modyn.load(GOLDEN / "panda.urdf", friction="none", modules=modules).brge(q)
+        single = modyn.load(GOLDEN / "panda.urdf", joint_friction="none", modules=modules).brge(q)
         assert np.count_nonzero(np.abs(single.d()) > 1e-12) == 7
 
 
 def test_loops_and_contacts():
     """A closed loop stays closed, and a foot on the ground does not accelerate."""
-    loop = modyn.load(ROBOTS / "four_bar.urdf", friction="none")
+    loop = modyn.load(ROBOTS / "four_bar.urdf", joint_friction="none")
     assert loop.loop_constraint_names
     robot = modyn.load(
         GOLDEN / "solo12.urdf",
         base="floating",
-        friction="none",
+        joint_friction="none",
         contacts={name: ("point", link) for name, link in (("left", "FL_FOOT"), ("right", "HR_FOOT"))},
     )
     assert robot.contact_names == ["left", "right"]

@@ -106,7 +106,7 @@ def test_derivatives_of_all_functions(standing, name):
 
 def on_the_ground():
     """Returns a robot whose joints have damping and dry friction and are beyond a limit, and a state with contacts in the ground."""
-    own = robot(contacts=CONTACTS, friction="coulomb")
+    own = robot(contacts=CONTACTS, joint_friction="coulomb")
     rng = np.random.default_rng(2)
     q, qd, *_ = (x[0] for x in states(own, 1))
     q[2] -= own.link_poses(q).translation[:, 2].min() + 0.05
@@ -402,10 +402,10 @@ def test_double_precision_needs_a_setting():
 import sys, numpy as np, modyn, modyn.jax
 x = np.zeros(7)
 try:
-    modyn.jax.function(modyn.load(sys.argv[1], friction="none"), "forward_dynamics")(x, x, x)
+    modyn.jax.function(modyn.load(sys.argv[1], joint_friction="none"), "forward_dynamics")(x, x, x)
 except TypeError as error:
     print(error)
-print(modyn.jax.function(modyn.load(sys.argv[1], friction="none", scalar="f32"), "forward_dynamics")(x, x, x).dtype)
+print(modyn.jax.function(modyn.load(sys.argv[1], joint_friction="none", scalar="f32"), "forward_dynamics")(x, x, x).dtype)
 """
     message, dtype = run(code, str(GOLDEN / "panda.urdf")).splitlines()
     assert 'jax.config.update("jax_enable_x64", True)' in message and 'scalar="f32"' in message

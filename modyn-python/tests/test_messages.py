@@ -49,7 +49,7 @@ def test_loads_of_a_path_names_load(file):
 
 
 def test_options_take_paths_and_types_of_numpy(file):
-    robot = modyn.load(file, packages={"x": pathlib.Path(".")}, friction="none")
+    robot = modyn.load(file, packages={"x": pathlib.Path(".")}, joint_friction="none")
     assert robot.nq == 1
     for scalar in (np.float32, np.dtype("float32"), "f32"):
         assert modyn.load(file, scalar=scalar).dtype == np.float32
@@ -76,7 +76,7 @@ def test_arguments_of_xacro_by_the_example(tmp_path):
 
 
 def test_joints_stop_in_steps():
-    robot = modyn.loads(ARM, friction="none")
+    robot = modyn.loads(ARM, joint_friction="none")
     still = np.zeros(1)
     # Soft limits give way a little.
     moved = robot.rollout(still, still + 5, np.zeros((500, 1)), 0.001, step="step")
@@ -86,7 +86,7 @@ def test_joints_stop_in_steps():
 
 
 def test_active_contacts_by_name():
-    robot = modyn.loads(ARM, friction="none", contacts=TIP)
+    robot = modyn.loads(ARM, joint_friction="none", contacts=TIP)
     z = np.zeros(1)
     for other in ([True, False], np.zeros(0), np.array([0.5, 0.5]), [["tip"]], {"tip": 1}):
         with pytest.raises((TypeError, ValueError), match=r"active contacts are names, as in `\[\"left\", \"right\"\]`, or booleans in the order of `contact_names`"):
@@ -96,7 +96,7 @@ def test_active_contacts_by_name():
 
 
 def test_settings_of_another_robot_or_function():
-    robot = modyn.loads(ARM, friction="none", contacts=TIP)
+    robot = modyn.loads(ARM, joint_friction="none", contacts=TIP)
     z = np.zeros(1)
     two = modyn.ConstraintSettings(contacts=[modyn.ContactTarget()] * 2)
     with pytest.raises(ValueError, match="`settings` of `constrained_forward_dynamics` has 2 contacts; expected one for each name of `contact_names`"):
@@ -116,7 +116,7 @@ def test_settings_of_another_robot_or_function():
 @pytest.mark.parametrize("machine_code", [True, False])
 def test_active_contacts_by_name_are_those_by_booleans(machine_code):
     points = {name: ("point", "a", [0.1 * i, 0, 0]) for i, name in enumerate(("left", "middle", "right"), 1)}
-    robot = modyn.loads(ARM, friction="none", contacts=points, machine_code=machine_code)
+    robot = modyn.loads(ARM, joint_friction="none", contacts=points, machine_code=machine_code)
     q, zero = np.full(1, 0.3), np.zeros(1)
     for names in ([], ["left"], ["right", "left"], ("middle",), "middle", np.array(["left", "right"]), list(robot.contact_names)):
         named = [names] if isinstance(names, str) else list(names)
@@ -131,7 +131,7 @@ def test_active_contacts_by_name_are_those_by_booleans(machine_code):
 
 
 def test_an_inertia_as_a_matrix():
-    robot = modyn.loads(ARM, payload=["a"], friction="none")
+    robot = modyn.loads(ARM, payload=["a"], joint_friction="none")
     with pytest.raises(ValueError, match=r"`inertia` of `set_payload` has the shape \(3, 3\); expected \(6,\): ixx, ixy, ixz, iyy, iyz, izz$"):
         robot.set_payload("a", 1.0, [0, 0, 0], np.eye(3))
     robot.set_payload("a", 1.0, [0, 0, 0], [1, 0, 0, 1, 0, 1])
@@ -152,7 +152,7 @@ def test_other_kinds_of_files(tmp_path):
 
 
 def test_parameters_and_gravity_follow_changes():
-    robot = modyn.loads(ARM, runtime_inertia=["a"], payload=["a"], runtime_gravity=True, friction="none")
+    robot = modyn.loads(ARM, runtime_inertia=["a"], payload=["a"], runtime_gravity=True, joint_friction="none")
     described = robot.parameters
     q, qd, qdd = [0.3], [0.7], [1.1]
     balanced = lambda: close(robot.regressor(q, qd, qdd) @ robot.parameters, robot.inverse_dynamics(q, qd, qdd), 1e-13)

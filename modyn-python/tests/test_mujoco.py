@@ -89,7 +89,7 @@ def described(name, base):
 @pytest.mark.parametrize("name, base", [("panda", "fixed"), ("solo12", "floating"), ("g1", "floating")])
 def test_real_robots(name, base):
     """The same URDF in both: the mass matrix, the bias forces and the accelerations of moving states."""
-    robot = modyn.load(GOLDEN / f"{name}.urdf", base=base, friction="none")
+    robot = modyn.load(GOLDEN / f"{name}.urdf", base=base, joint_friction="none")
     model = described(name, base)
     data, theirs = mujoco.MjData(model), modyn.conventions.MuJoCo(robot, model)
     close(robot.gravity, model.opt.gravity)
@@ -193,7 +193,7 @@ def test_switches(flag):
     model = mujoco.MjModel.from_xml_string(text)
     data = mujoco.MjData(model)
     couples = flag not in ("constraint", "equality")
-    robot = modyn.loads(text, file="m.xml", friction="coulomb")
+    robot = modyn.loads(text, file="m.xml", joint_friction="coulomb")
     assert robot.nv == (1 if couples else 2)
     data.qvel[0] = 1
     mujoco.mj_forward(model, data)
@@ -219,7 +219,7 @@ GRIPPER = """
 @pytest.mark.parametrize("wrist", ['name="wrist"', ""])
 def test_mimic_joints_and_joints_without_a_name(wrist):
     text = GRIPPER.format(wrist=wrist)
-    robot = modyn.loads(text, file="gripper.xml", friction="none")
+    robot = modyn.loads(text, file="gripper.xml", joint_friction="none")
     model = mujoco.MjModel.from_xml_string(text)
     data = mujoco.MjData(model)
     assert (robot.nv, model.nv) == (5, 6)
@@ -244,7 +244,7 @@ def test_mimic_joints_and_joints_without_a_name(wrist):
 
 def test_joints_that_do_not_fit_are_named():
     text = GRIPPER.format(wrist="")
-    robot = modyn.loads(text, file="gripper.xml", friction="none")
+    robot = modyn.loads(text, file="gripper.xml", joint_friction="none")
     other = mujoco.MjModel.from_xml_string(text.replace('<joint  axis="0 0 1"/>', '<joint type="slide" axis="0 0 1"/>'))
     with pytest.raises(ValueError, match="next joint without a name of MuJoCo's model, which is prismatic, have other types: give the joints"):
         modyn.conventions.MuJoCo(robot, other)
@@ -262,7 +262,7 @@ def solve_exactly(model, step):
 def of_golden(file, scene):
     """Returns a scene of the reference data, its robot, MuJoCo's model and the settings, whose steps are solved to the end."""
     case = json.loads((GOLDEN / f"{file}.json").read_text())[scene]
-    robot = modyn.loads(case["mjcf"], file="floor.xml", unread_forces="warn", mimic="independent")
+    robot = modyn.loads(case["mjcf"], file="floor.xml", unsupported_forces="warn", mimic="independent")
     model = mujoco.MjModel.from_xml_string(case["mjcf"])
     solve_exactly(model, case["step"])
     settings = robot.step_settings()
@@ -368,7 +368,7 @@ def test_actuators_of_a_urdf(seed):
         "joint3": ("position", 200, 5, {"effort": 8}),
         "j*4": "motor",
     }
-    robot = modyn.loads(text, ground="plane", actuators=actuators, friction="none")
+    robot = modyn.loads(text, ground="plane", actuators=actuators, joint_friction="none")
     assert robot.control_names == [name for name in robot.velocity_names if name in [f"joint{k}" for k in range(5)]]
     spec = mujoco.MjSpec.from_string(text.replace("</robot>", '<mujoco><compiler fusestatic="false"/></mujoco></robot>'))
     for geom in spec.geoms:

@@ -16,7 +16,7 @@ class Both:
 
     def __init__(self, name, base):
         text = chain(int(name[6:])) if name.startswith("random") else (GOLDEN / f"{name}.urdf").read_text()
-        self.robot = modyn.loads(text, file=f"{name}.urdf", base=base, friction="none")
+        self.robot = modyn.loads(text, file=f"{name}.urdf", base=base, joint_friction="none")
         free = [pin.JointModelFreeFlyer()] if base == "floating" else []
         self.model = pin.buildModelFromXML(text, *free)
         self.data = self.model.createData()
@@ -163,7 +163,7 @@ GRIPPER = """<robot name="gripper"><link name="palm"/>
 
 @pytest.mark.parametrize("mimic", [True, False])
 def test_mimic_joints(mimic):
-    robot = modyn.loads(GRIPPER, friction="none")
+    robot = modyn.loads(GRIPPER, joint_friction="none")
     model = pin.buildModelFromXML(GRIPPER, mimic=mimic)
     assert (robot.nv, model.nv) == (1, 1 if mimic else 2)
     theirs, data = modyn.conventions.Pinocchio(robot, model), model.createData()

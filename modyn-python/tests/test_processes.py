@@ -19,7 +19,7 @@ import modyn
 @pytest.fixture
 def large():
     """A batch that takes a while: derivatives of a humanoid."""
-    robot = modyn.load(GOLDEN / "g1.urdf", base="floating", friction="none")
+    robot = modyn.load(GOLDEN / "g1.urdf", base="floating", joint_friction="none")
     q, qd, _, tau = states(robot, 300)
     robot.forward_dynamics_derivatives(q[:8], qd[:8], tau[:8])
     return robot, np.tile(q, (20, 1)), np.tile(qd, (20, 1)), np.tile(tau, (20, 1))
@@ -154,14 +154,14 @@ import ctypes, sys, warnings
 import numpy as np
 import modyn
 state = np.linspace(-0.5, 0.7, 7)
-robot = modyn.load(sys.argv[1], friction="none")
+robot = modyn.load(sys.argv[1], joint_friction="none")
 expected = robot.forward_dynamics(state, state, state)
 # PR_SET_MDWE, PR_MDWE_REFUSE_EXEC_GAIN: from now on no page can be made executable.
 word = ctypes.c_ulong
 assert ctypes.CDLL(None).prctl(65, word(1), word(0), word(0), word(0)) == 0
 with warnings.catch_warnings(record=True) as found:
     warnings.simplefilter("always")
-    slow = modyn.load(sys.argv[1], friction="none").forward_dynamics(state, state, state)
+    slow = modyn.load(sys.argv[1], joint_friction="none").forward_dynamics(state, state, state)
 assert len(found) == 1 and "executable memory" in str(found[0].message), found
 assert np.allclose(slow, expected, rtol=1e-9, atol=1e-9)
 """
@@ -197,7 +197,7 @@ zero = np.zeros(7)
 times = []
 for _ in range(3):
     begin = time.perf_counter()
-    modyn.load(sys.argv[1], friction="none").forward_dynamics(zero, zero, zero)
+    modyn.load(sys.argv[1], joint_friction="none").forward_dynamics(zero, zero, zero)
     times.append(time.perf_counter() - begin)
 print(min(times))
 """
@@ -231,8 +231,8 @@ def delay(call):
 
 def long_calls():
     """Returns calls that take seconds."""
-    robot = modyn.load(ROBOTS / "quadruped.urdf", base="floating", friction="none", contacts={"a": ("point", "front_left_foot")})
-    evaluated = modyn.load(ROBOTS / "quadruped.urdf", base="floating", friction="none", machine_code=False)
+    robot = modyn.load(ROBOTS / "quadruped.urdf", base="floating", joint_friction="none", contacts={"a": ("point", "front_left_foot")})
+    evaluated = modyn.load(ROBOTS / "quadruped.urdf", base="floating", joint_friction="none", machine_code=False)
     n, still = robot.nv, np.zeros(robot.nv)
     q, many = robot.neutral(), np.tile(robot.neutral(), (60_000, 1))
     controls, weights = np.zeros((400_000, n)), (np.zeros((400_000, robot.nq)), np.zeros((400_000, n)))
@@ -268,7 +268,7 @@ def test_an_interrupt_in_another_process():
         "import modyn, numpy as np, signal, sys\n"
         # A shell lets the commands that it starts in the background ignore the signal, and they pass that on.
         "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
-        "robot = modyn.load(sys.argv[1], friction='none')\n"
+        "robot = modyn.load(sys.argv[1], joint_friction='none')\n"
         "print('go', flush=True)\n"
         "try:\n"
         "    robot.rollout(robot.neutral(), np.zeros(robot.nv), np.zeros((20_000_000, robot.nv)), 1e-3, trajectory=False)\n"

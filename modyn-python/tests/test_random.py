@@ -217,7 +217,7 @@ class Case:
     def load(self, **options):
         base = "floating" if self.floating else "fixed"
         friction = ("smooth", self.naive.width) if self.dynamics else "none"
-        return modyn.loads(self.urdf(), base=base, friction=friction, **options)
+        return modyn.loads(self.urdf(), base=base, joint_friction=friction, **options)
 
 
 def mirrored(link):

@@ -12,7 +12,7 @@ CONTACTS = {"hand": ("point", "link2", [0.1, -0.2, 0.15]), "foot": ("point", "li
 
 
 def tree(**options):
-    return modyn.loads(chain(7, joints=5), base="floating", contacts=CONTACTS, friction="none", **options)
+    return modyn.loads(chain(7, joints=5), base="floating", contacts=CONTACTS, joint_friction="none", **options)
 
 
 @pytest.fixture(scope="module")
@@ -187,9 +187,9 @@ def test_random_parts_are_between_zero_and_one(robot):
     parts = np.full(robot.nv, 0.5)
     for wrong in (5.0, -0.1, np.inf):
         with pytest.raises(ValueError, match="`uniforms` is .*; expected a number from 0 to 1"):
-            robot.random(np.where(np.arange(robot.nv) == 3, wrong, parts))
-    arm = modyn.load(ROBOTS / "arm7.urdf", friction="none")
-    assert np.isnan(arm.random(np.full(arm.nv, np.nan))).all()
+            robot.random_configuration(np.where(np.arange(robot.nv) == 3, wrong, parts))
+    arm = modyn.load(ROBOTS / "arm7.urdf", joint_friction="none")
+    assert np.isnan(arm.random_configuration(np.full(arm.nv, np.nan))).all()
 
 
 def numbers(result):

@@ -45,7 +45,7 @@ def flat(result):
 def test_against_double_precision(source, options):
     load = modyn.loads if isinstance(source, str) else modyn.load
     if load is modyn.load:
-        options = {"friction": "none", **options}
+        options = {"joint_friction": "none", **options}
     double, single = both(load, source, **options)
     n = 20
     q, qd, qdd, tau = single_states(double, n, seed=5)
@@ -78,7 +78,7 @@ def test_against_double_precision(source, options):
 
 def test_all_results_are_single_precision():
     """Functions with all forms of results, for one state and for many."""
-    double, single = both(modyn.load, GOLDEN / "panda.urdf", friction="none")
+    double, single = both(modyn.load, GOLDEN / "panda.urdf", joint_friction="none")
     assert double.dtype == np.float64 and single.dtype == np.float32
     assert double.neutral().dtype == np.float64 and single.neutral().dtype == np.float32
     q, qd, qdd, tau = single_states(double, 5)
@@ -103,7 +103,7 @@ def test_all_results_are_single_precision():
             assert name == "kinetic_energy" or state.dtype == np.float32
             close(array, exact, 1e-2)
             close(state, exact[2], 1e-2)
-    other = modyn.load(GOLDEN / "panda.urdf", friction="none", scalar="f32", bundles={"both": ["mass_matrix", "bias_forces"]})
+    other = modyn.load(GOLDEN / "panda.urdf", joint_friction="none", scalar="f32", fused={"both": ["mass_matrix", "bias_forces"]})
     found = other.both(q, qd)
     assert found.mass_matrix.dtype == found.bias_forces.dtype == np.float32
     close(found.mass_matrix, double.mass_matrix(q), 1e-5)
@@ -111,7 +111,7 @@ def test_all_results_are_single_precision():
 
 
 def test_arrays_are_read_and_written_where_they_are():
-    _, single = both(modyn.load, GOLDEN / "panda.urdf", friction="none")
+    _, single = both(modyn.load, GOLDEN / "panda.urdf", joint_friction="none")
     q, qd, _, tau = single_states(single, 4000)
     out = np.empty_like(q)
     assert single.forward_dynamics(q, qd, tau, out=out) is out
@@ -133,7 +133,7 @@ def test_arrays_are_read_and_written_where_they_are():
 
 
 def test_other_numbers_are_converted_and_other_outputs_refused():
-    double, single = both(modyn.load, GOLDEN / "panda.urdf", friction="none")
+    double, single = both(modyn.load, GOLDEN / "panda.urdf", joint_friction="none")
     (q,), (qd,), _, (tau,) = single_states(double, 1)
     expected = single.forward_dynamics(q, qd, tau)
     for other in (q.astype(float), q.tolist(), q.astype(">f4")):
@@ -148,7 +148,7 @@ def test_other_numbers_are_converted_and_other_outputs_refused():
     with pytest.raises(TypeError, match="`q` of `forward_dynamics` must be an array of real numbers"):
         single.forward_dynamics(q.astype(complex), qd, tau)
     with pytest.raises(ValueError, match="option `scalar`: expected `f64` or `f32`"):
-        modyn.load(GOLDEN / "panda.urdf", friction="none", scalar="f16")
+        modyn.load(GOLDEN / "panda.urdf", joint_friction="none", scalar="f16")
 
 
 def test_the_conditioning_is_checked():
@@ -190,7 +190,7 @@ def test_parameters_pickles_and_evaluation():
 def test_settings_have_the_tolerances_of_the_scalar():
     """The default settings and those of the class are the same, in both precisions."""
     for scalar in ("f64", "f32"):
-        robot = modyn.load(GOLDEN / "solo12.urdf", base="floating", friction="none", contacts=FEET, scalar=scalar)
+        robot = modyn.load(GOLDEN / "solo12.urdf", base="floating", joint_friction="none", contacts=FEET, scalar=scalar)
         state = [x[0] for x in single_states(robot, 1)]
         q, qd, tau = state[0], state[1], state[3]
         settings = modyn.ConstraintSettings([modyn.ContactTarget(), modyn.ContactTarget()])
@@ -202,7 +202,7 @@ def test_settings_have_the_tolerances_of_the_scalar():
     assert np.asarray(settings, np.float32)[3] == np.float32(1e-5)
     assert np.asarray(settings)[3] == 1e-10
     # A redundant loop: its dependent rows are rounding alone, whose size depends on the precision.
-    double, single = both(modyn.load, ROBOTS / "four_bar.urdf", friction="none")
+    double, single = both(modyn.load, ROBOTS / "four_bar.urdf", joint_friction="none")
     state = [x[0] for x in single_states(double, 1)]
     ranks = [robot.constrained_forward_dynamics(state[0], state[1], state[3]).rank for robot in (double, single)]
     assert ranks[0] == ranks[1] < 6

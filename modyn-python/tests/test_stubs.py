@@ -46,7 +46,7 @@ def test_each_attribute_has_a_stub(name):
     one = getattr(_modyn, name)
     own = {attribute for attribute in vars(one) if attribute not in inherited}
     assert own - set(members(name)) == set()
-    # `__getattr__` finds bundles; Python shows it as `__getattribute__`.
+    # `__getattr__` finds fused functions; Python shows it as `__getattribute__`.
     assert set(members(name)) - own <= {"__getattr__"}
     for attribute, node in members(name).items():
         if attribute == "__getattr__":

@@ -27,10 +27,10 @@ pub use check::{
     joints_without_inertia,
 };
 pub use description::{
-    Base, Contact, ControlLaw, FileStore, Geometry, Ground, JointActuator, Loop, LoopEnd, Mesh,
-    Mimic, Package, ReadOptions, Rotor, Shape, Shapes, XacroArg,
+    Armature, Base, Contact, ControlLaw, FileStore, Geometry, Ground, JointActuator, Loop, LoopEnd,
+    Mesh, Mimic, Package, ReadOptions, Rotor, Shape, Shapes, XacroArg,
 };
-pub use modyn_runtime::model::{ContactKind, Friction, LoopConstraintKind};
+pub use modyn_runtime::model::{ContactKind, JointFriction, LoopConstraintKind};
 pub use read::{
     Format, PACKAGE_PATHS, Reading, expand_xacro, read, read_file, read_mjcf, read_urdf,
 };

@@ -89,7 +89,7 @@ fn read(text: &str, file: &str, options: &ReadOptions) -> Result<Reading, Diagno
 
 /// Returns the model of a floating robot without warnings.
 fn floating(text: &str, file: &str, ground: Option<Ground>) -> Model {
-    let base = if file.ends_with("urdf") { Base::Floating } else { Base::Described };
+    let base = if file.ends_with("urdf") { Base::Floating } else { Base::Auto };
     let reading = read(text, file, &options(ground, base)).unwrap_or_else(|e| panic!("{e}"));
     assert_eq!(reading.warnings, [], "{file}");
     reading.model
@@ -233,7 +233,7 @@ fn touching_sdf(
         assert!(text.contains(from), "{from}");
         text.replacen(from, to, 1)
     });
-    let reading = read(&text, "r.sdf", &options(ground, Base::Described));
+    let reading = read(&text, "r.sdf", &options(ground, Base::Auto));
     let reading = reading.unwrap_or_else(|error| panic!("{error}"));
     let shapes = reading.model.touching_shapes().into_iter();
     let messages = reading.warnings.into_iter().map(|warning| warning.message);
@@ -303,7 +303,7 @@ fn an_sdf_touches_the_ground_of_the_options_unless_it_has_its_own() {
     let (shapes, _) = touching_sdf(&[NO_PLANE], Some(level.with_friction(0.3)));
     assert!(shapes.iter().all(|(_, friction)| *friction == 0.3));
     assert!(touching_sdf(&[NO_PLANE], None).0.is_empty());
-    let error = read(SDF, "r.sdf", &options(Some(level), Base::Described)).expect_err("two");
+    let error = read(SDF, "r.sdf", &options(Some(level), Base::Auto)).expect_err("two");
     assert!(error.to_string().contains("the option `ground` adds a plane"), "{error}");
     // Two planes.
     let plane = r#"<collision name="d"><geometry><plane/></geometry></collision></link></model>"#;
@@ -316,7 +316,7 @@ fn an_sdf_touches_the_ground_of_the_options_unless_it_has_its_own() {
     // Contacts replace the shapes.
     let end = LoopEnd { link: "leg".into(), xyz: [0.0; 3], rpy: [0.0; 3] };
     let contacts = vec![Contact { name: "toe".into(), kind: ContactKind::Point, end }];
-    let given = ReadOptions { contacts, ..options(Some(level), Base::Described) };
+    let given = ReadOptions { contacts, ..options(Some(level), Base::Auto) };
     let model = read(SDF, "r.sdf", &given).expect("a point on the ground of the options").model;
     assert_eq!(model.touching_shapes()[0].name, "toe");
 }
@@ -349,14 +349,13 @@ fn collisions_of_an_sdf_are_checked_where_they_touch() {
         ("<mu>100</mu>", "<mu>-1</mu>", "`<mu>` is negative"),
     ] {
         let text = SDF.replacen(from, to, 1);
-        let error =
-            read(&text, "r.sdf", &options(None, Base::Described)).expect_err(part).to_string();
+        let error = read(&text, "r.sdf", &options(None, Base::Auto)).expect_err(part).to_string();
         assert!(error.contains(part), "{part}: {error}");
         if from.contains("mu") || from.contains("normal") {
             continue;
         }
         let without = text.replacen(NO_PLANE.0, NO_PLANE.1, 1);
-        assert!(read(&without, "r.sdf", &options(None, Base::Described)).is_ok(), "{part}");
+        assert!(read(&without, "r.sdf", &options(None, Base::Auto)).is_ok(), "{part}");
     }
 }
 
@@ -401,7 +400,7 @@ fn without_ground_or_with_contacts_no_shape_is_read() {
 #[test]
 fn links_that_do_not_move_touch_nothing() {
     let text = URDF.replace(r#"<box size="0.2 0.4 0.6"/>"#, r#"<mesh filename="none.obj"/>"#);
-    let reading = read(&text, "r.urdf", &options(Some(Ground::default()), Base::Described));
+    let reading = read(&text, "r.urdf", &options(Some(Ground::default()), Base::Auto));
     let Reading { model, warnings, .. } = reading.expect("read");
     let names: Vec<String> = model.touching_shapes().into_iter().map(|shape| shape.name).collect();
     assert_eq!(names, ["leg_collision_1", "foot_collision_1"]);
@@ -519,7 +518,7 @@ fn ground_that_touches_nothing_is_a_warning_and_a_second_floor_an_error() {
     );
     let floor = r#"<geom name="floor" type="plane" size="0 0 1" MASK/>"#;
     let scene = |mask: &str| MJCF.replace("FLOOR", &floor.replace("MASK", mask));
-    let given = options(Some(Ground::default()), Base::Described);
+    let given = options(Some(Ground::default()), Base::Auto);
     let error = read(&scene(""), "r.xml", &given).expect_err("two floors").to_string();
     assert!(error.contains("the option `ground` adds a plane, and the file has one"), "{error}");
     let drawn = scene(r#"contype="0" conaffinity="0""#);

@@ -12,7 +12,7 @@
 use std::{collections::BTreeSet, fs, path::Path};
 
 use modyn_read::{
-    Base, Format, Friction, Mimic, ReadOptions, Reading, Rotor,
+    Armature, Base, Format, JointFriction, Mimic, ReadOptions, Reading,
     diagnostics::{Code, Diagnostic, Diagnostics, Severity},
     joints_without_inertia, read_urdf,
 };
@@ -62,8 +62,8 @@ fn options(text: &str) -> ReadOptions {
             "mimic = follow" => options.mimic = Mimic::Follow,
             "mimic = refuse" => options.mimic = Mimic::Refuse,
             "mimic = independent" => options.mimic = Mimic::Independent,
-            "friction = none" => options.friction = Some(Friction::None),
-            "friction = viscous" => options.friction = Some(Friction::Viscous),
+            "joint_friction = none" => options.joint_friction = Some(JointFriction::None),
+            "joint_friction = viscous" => options.joint_friction = Some(JointFriction::Viscous),
             "unphysical_inertia = warn" => options.unphysical_inertia = Severity::Warning,
             other => panic!("no option `{other}`"),
         }
@@ -225,18 +225,17 @@ fn limits_are_those_of_a_robot_after_their_help_was_followed() {
     assert_eq!(found, []);
 }
 
-/// A robot without inertia has dynamics once each joint has the rotor that the help proposes.
+/// A robot without inertia has dynamics once each joint has the armature that the help proposes.
 #[test]
-fn rotors_stand_in_for_missing_inertia() {
+fn armatures_stand_in_for_missing_inertia() {
     let text = include_str!("good/kinematics_only.urdf");
     let found = read(text, "r.urdf", &ReadOptions::default()).expect("kinematics").warnings;
     let help = found[0].help.as_deref().unwrap_or_default();
     assert_eq!(found.len(), 1, "{found:?}");
-    assert!(help.contains("`rotors`: `[\"shoulder\": (1, 1), ...]`"), "{help}");
-    let rotor = |joint: &str| Rotor { joint: joint.into(), inertia: 1.0, gear_ratio: 1.0 };
-    let rotors = ["shoulder", "wrist"].map(rotor).to_vec();
-    let options = ReadOptions { rotors, ..ReadOptions::default() };
-    let model = read(text, "r.urdf", &options).expect("rotors").model;
+    assert!(help.contains("`armature`: `[\"shoulder\": 1, ...]`"), "{help}");
+    let armature = ["shoulder", "wrist"].map(|joint| Armature::new(joint, 1.0)).to_vec();
+    let options = ReadOptions { armature, ..ReadOptions::default() };
+    let model = read(text, "r.urdf", &options).expect("armatures").model;
     assert!(joints_without_inertia(&model).is_empty());
 }
 

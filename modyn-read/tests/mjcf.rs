@@ -5,7 +5,7 @@ use modyn_read::diagnostics::{Code, Diagnostics, Severity};
 use modyn_read::{Base, Format, ReadOptions};
 use modyn_runtime::Interpreter;
 use modyn_runtime::joint::JointType;
-use modyn_runtime::model::{Friction, LoopConstraintKind, Model};
+use modyn_runtime::model::{JointFriction, LoopConstraintKind, Model};
 
 fn read(text: &str) -> Result<Model, Diagnostics> {
     modyn_read::read_mjcf(text, "robot.xml", &ReadOptions::default()).map(|reading| reading.model)
@@ -23,7 +23,7 @@ fn assert_same_numbers(a: Model, b: Model) {
     let (mut a, mut b) = (Interpreter::<f64>::new(a), Interpreter::<f64>::new(b));
     for _ in 0..20 {
         let mut q = vec![0.0; nq];
-        a.random(&mut uniform, &mut q).expect("sizes");
+        a.random_configuration(&mut uniform, &mut q).expect("sizes");
         let qd: Vec<f64> = (0..n).map(|_| 4.0 * uniform() - 2.0).collect();
         let tau: Vec<f64> = (0..n).map(|_| 4.0 * uniform() - 2.0).collect();
         let evaluate = |of: &mut Interpreter<f64>| {
@@ -75,11 +75,11 @@ const ARM_URDF: &str = r#"<robot name="arm">
 #[test]
 fn the_same_arm_gives_the_same_numbers() {
     for friction in [
-        modyn_read::Friction::None,
-        modyn_read::Friction::Viscous,
-        modyn_read::Friction::Smooth(0.1),
+        modyn_read::JointFriction::None,
+        modyn_read::JointFriction::Viscous,
+        modyn_read::JointFriction::Smooth(0.1),
     ] {
-        let options = ReadOptions { friction: Some(friction), ..ReadOptions::default() };
+        let options = ReadOptions { joint_friction: Some(friction), ..ReadOptions::default() };
         let ours = modyn_read::read_mjcf(ARM, "arm.xml", &options).expect("an MJCF").model;
         let theirs = modyn_read::read(ARM_URDF, "arm.urdf", &options).expect("a URDF").model;
         let names = |model: &Model| model.coordinate_names();
@@ -409,11 +409,11 @@ fn a_free_body_can_be_fixed() {
     let fixed = read(free, &(key("1 2 3 1 0 0 0 0.7") + weld), Base::Fixed).expect("a robot");
     assert_eq!(fixed.warnings, []);
     assert_eq!(fixed.model.keyframe("home").map(|home| &*home.q), Some(&[0.7][..]));
-    let welded = read("", &key("0.7"), Base::Described).expect("a robot").model;
+    let welded = read("", &key("0.7"), Base::Auto).expect("a robot").model;
     assert_same_numbers(fixed.model, welded);
     let found = read(free, "", Base::Floating).expect_err("refused").into_vec();
     assert_eq!(found.len(), 1, "{found:?}");
-    assert_eq!(read(free, "", Base::Described).expect("a robot").model.nv(), 7);
+    assert_eq!(read(free, "", Base::Auto).expect("a robot").model.nv(), 7);
 }
 
 /// The limits of joint forces are those of MuJoCo's `jnt_actfrcrange` where `jnt_actfrclimited` is true.
@@ -698,8 +698,8 @@ fn switches_change_what_is_read() {
             <equality><joint joint1="b" joint2="a" polycoef="0 2 0 0 0"/><connect body1="b" anchor="0 0 0"/></equality></mujoco>"#
         );
         let options = ReadOptions {
-            friction: Some(Friction::Coulomb),
-            unread_forces: Severity::Warning,
+            joint_friction: Some(JointFriction::Coulomb),
+            unsupported_forces: Severity::Warning,
             ..ReadOptions::default()
         };
         modyn_read::read_mjcf(&text, "m.xml", &options).expect("an MJCF")
@@ -806,8 +806,8 @@ fn unread_forces_are_refused_or_left_out() {
             <spatial armature="{armature}"><site site="p"/><site site="q"/></spatial></tendon></mujoco>"#
         )
     };
-    let read = |armature: &str, unread_forces| {
-        let options = ReadOptions { unread_forces, ..ReadOptions::default() };
+    let read = |armature: &str, unsupported_forces| {
+        let options = ReadOptions { unsupported_forces, ..ReadOptions::default() };
         modyn_read::read_mjcf(&text(armature), "m.xml", &options)
     };
     let lines = |found: &[modyn_read::diagnostics::Diagnostic]| -> Vec<_> {
@@ -823,7 +823,7 @@ fn unread_forces_are_refused_or_left_out() {
     );
     for one in &found {
         let help = one.help.as_deref().unwrap_or_default();
-        assert!(help.contains("`unread_forces = warn`"), "{help}");
+        assert!(help.contains("`unsupported_forces = warn`"), "{help}");
     }
     let reading = read("0", Severity::Warning).expect("warnings");
     let warnings = [1, 2, 2, 4, 5].map(|line| (Severity::Warning, line));

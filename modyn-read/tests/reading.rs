@@ -5,13 +5,13 @@
 use std::{fmt::Write, fs, path::Path};
 
 use modyn_read::{
-    Base, Mimic, ReadOptions, Reading, Rotor,
+    Armature, Base, Mimic, ReadOptions, Reading, Rotor,
     diagnostics::{Code, Severity},
     read,
 };
 use modyn_runtime::{
     joint::JointType,
-    model::{Friction, Inertial, JointDynamics, LoopConstraintKind, Model},
+    model::{Inertial, JointDynamics, JointFriction, LoopConstraintKind, Model},
 };
 use proptest::prelude::*;
 
@@ -253,6 +253,9 @@ fn joint_dynamics_are_those_of_the_file_or_of_the_options() {
     let rotors = vec![rotor("j0", 0.25, 2.0), rotor("j2", 0.0, 7.0)];
     (expected[0].armature, expected[2].armature) = (1.0, 0.0);
     assert_eq!(read(&ReadOptions { rotors, ..ReadOptions::default() }), expected);
+    // The armature is the inertia after the gear.
+    let armature = vec![Armature::new("j0", 1.0), Armature::new("j2", 0.0)];
+    assert_eq!(read(&ReadOptions { armature, ..ReadOptions::default() }), expected);
 }
 
 /// The option `base` and a floating joint of the file.
@@ -269,7 +272,7 @@ fn the_option_base_and_floating_joints() {
     };
     for root in ["world", "base"] {
         let text = robot(root, "continuous");
-        assert_eq!(read_with(&text, Base::Described).expect("a robot").model.nv(), 7);
+        assert_eq!(read_with(&text, Base::Auto).expect("a robot").model.nv(), 7);
         let fixed = read_with(&text, Base::Fixed).expect("a robot");
         assert_eq!((fixed.model.nv(), fixed.warnings.len()), (1, 0));
         assert_eq!(fixed.model.links()[0].joint.origin.translation, [1.0, 2.0, 3.0]);
@@ -381,11 +384,11 @@ fn bad_options_are_errors_without_a_place() {
     for (bad, text) in [
         (
             rotor("jj", 1.0, 1.0),
-            "joint `jj`: the options give it a rotor, but it does not exist\n  help: did you mean `j`?",
+            "joint `jj`: the options give it an armature, but it does not exist\n  help: did you mean `j`?",
         ),
         (
             rotor("weld", 1.0, 1.0),
-            "joint `weld`: the options give it a rotor, but it does not move",
+            "joint `weld`: the options give it an armature, but it does not move",
         ),
         (rotor("j", -1.0, 1.0), "joint `j`: inertia -1 and gear ratio 1 are not those of a rotor"),
         (rotor("j", f64::NAN, 1.0), "inertia NaN"),
@@ -396,27 +399,52 @@ fn bad_options_are_errors_without_a_place() {
         let errors = refused(&fixed, options);
         assert!(errors.len() == 1 && errors[0].contains(text), "{errors:?}");
     }
+    for (bad, text) in [
+        (Armature::new("jj", 1.0), "the options give it an armature, but it does not exist"),
+        (Armature::new("j", -1.0), "joint `j`: -1 is not an armature"),
+        (Armature::new("j", f64::NAN), "NaN is not an armature"),
+        (Armature::new("j", 1e80), "0 is not an armature"),
+    ] {
+        let options = ReadOptions { armature: vec![bad], ..ReadOptions::default() };
+        let errors = refused(&fixed, options);
+        assert!(errors.len() == 1 && errors[0].contains(text), "{errors:?}");
+    }
+    let (armature, rotors) = (vec![Armature::new("j", 1.0)], vec![rotor("j", 1.0, 1.0)]);
+    let errors = refused(&fixed, ReadOptions { armature, rotors, ..ReadOptions::default() });
+    assert!(errors.len() == 1 && errors[0].contains("two armatures"), "{errors:?}");
     // All errors are reported at once, in linear time.
     let rotors = (0..50_000).map(|i| rotor(&format!("x{i}"), -1.0, 1.0)).collect();
-    let options =
-        ReadOptions { rotors, friction: Some(Friction::Smooth(0.0)), ..ReadOptions::default() };
+    let options = ReadOptions {
+        rotors,
+        joint_friction: Some(JointFriction::Smooth(0.0)),
+        ..ReadOptions::default()
+    };
     assert_eq!(refused(&fixed, options).len(), 100_001);
     let rotors = vec![rotor("j", 1.0, 1.0); 2];
     let errors = refused(&fixed, ReadOptions { rotors, ..ReadOptions::default() });
-    assert!(errors.len() == 1 && errors[0].contains("two rotors"), "{errors:?}");
+    assert!(errors.len() == 1 && errors[0].contains("two armatures"), "{errors:?}");
 }
 
 #[test]
 fn friction_is_the_models() {
     let read_with = |friction| {
         let friction = Some(friction);
-        read(&pendulum(), "test.urdf", &ReadOptions { friction, ..ReadOptions::default() })
+        read(
+            &pendulum(),
+            "test.urdf",
+            &ReadOptions { joint_friction: friction, ..ReadOptions::default() },
+        )
     };
-    for good in [Friction::None, Friction::Viscous, Friction::Coulomb, Friction::Smooth(0.5)] {
-        assert_eq!(read_with(good).expect("good").model.friction(), good);
+    for good in [
+        JointFriction::None,
+        JointFriction::Viscous,
+        JointFriction::Coulomb,
+        JointFriction::Smooth(0.5),
+    ] {
+        assert_eq!(read_with(good).expect("good").model.joint_friction(), good);
     }
     for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-        let errors = read_with(Friction::Smooth(bad)).expect_err("refused");
+        let errors = read_with(JointFriction::Smooth(bad)).expect_err("refused");
         assert_eq!(errors.iter().map(|d| d.code).collect::<Vec<_>>(), [Code::Option]);
     }
 }

@@ -381,7 +381,7 @@ fn springs_and_weightless_links() {
 fn the_base_and_gravity() {
     let text = format!("<sdf version='1.12'><model name='m'>{ARM}</model></sdf>");
     let with = |base| read(&text, &ReadOptions { base, ..ReadOptions::default() });
-    for base in [Base::Described, Base::Floating] {
+    for base in [Base::Auto, Base::Floating] {
         let robot = with(base).expect("floats");
         assert_eq!(robot.links()[0].joint.joint_type, JointType::Floating);
         assert_eq!(robot.links()[0].joint.name, "floating_base");

@@ -4,7 +4,7 @@
 use modyn_read::diagnostics::{Diagnostics, Severity};
 use modyn_read::{Mimic, ReadOptions, Reading};
 use modyn_runtime::model::{
-    Friction, Integrator, JointSum, Model, Softness, TendonJoint, TendonSpring,
+    Integrator, JointFriction, JointSum, Model, Softness, TendonJoint, TendonSpring,
 };
 
 /// Returns the model of two joints with references, and these elements.
@@ -29,7 +29,7 @@ fn tendons(attributes: &str) -> String {
 
 #[test]
 fn fixed_tendons_act_in_steps() {
-    let options = ReadOptions { unread_forces: Severity::Warning, ..ReadOptions::default() };
+    let options = ReadOptions { unsupported_forces: Severity::Warning, ..ReadOptions::default() };
     let read = |attributes: &str, others: &str| {
         let reading = tied(&(tendons(attributes) + others), &options).expect(attributes);
         let messages = reading.warnings.iter().map(|warning| warning.message.clone()).collect();
@@ -76,7 +76,7 @@ fn fixed_tendons_act_in_steps() {
         assert_eq!(tendon.spring.stiffness, spring, "{flag}");
         assert_eq!(tendon.spring.damping, damping, "{flag}");
     }
-    let still = ReadOptions { friction: Some(Friction::None), ..options.clone() };
+    let still = ReadOptions { joint_friction: Some(JointFriction::None), ..options.clone() };
     let reading = tied(&tendons(r#"frictionloss="1""#), &still).expect("no friction");
     assert_eq!(reading.warnings.len(), 0, "{:?}", reading.warnings);
 }
@@ -171,7 +171,7 @@ fn linear_couplings_of_independent_joints_are_soft() {
 /// Steps have MuJoCo's `Euler` and `implicitfast`.
 #[test]
 fn integrators_with_other_steps_are_said() {
-    let options = ReadOptions { unread_forces: Severity::Warning, ..ReadOptions::default() };
+    let options = ReadOptions { unsupported_forces: Severity::Warning, ..ReadOptions::default() };
     let damped = tendons(r#"damping="1""#);
     let cases = [
         ("Euler", Integrator::Euler, None),

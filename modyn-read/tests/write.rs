@@ -43,7 +43,7 @@ fn options(model: &Model, format: Format) -> ReadOptions {
     });
     ReadOptions {
         gravity: Some(model.gravity()).filter(|_| format == Format::Urdf),
-        friction: Some(model.friction()),
+        joint_friction: Some(model.joint_friction()),
         unphysical_inertia: Severity::Warning,
         contacts: contacts.collect(),
         ..ReadOptions::default()
@@ -54,7 +54,7 @@ fn options(model: &Model, format: Format) -> ReadOptions {
 fn round(name: &str, model: &Model, format: Format, random: &mut Random) -> bool {
     let mut home = vec![0.0; model.nq()];
     let interpreter = Interpreter::<f64>::new(model.clone());
-    interpreter.random(|| random.between(0.0, 1.0), &mut home).expect("coordinates");
+    interpreter.random_configuration(|| random.between(0.0, 1.0), &mut home).expect("coordinates");
     let qd: Vec<f64> = (0..model.nv()).map(|_| random.between(-1.0, 1.0)).collect();
     let keyframe =
         Keyframe { name: "home".into(), q: home.clone(), qd: qd.clone(), ..Keyframe::default() };
@@ -106,7 +106,7 @@ fn round(name: &str, model: &Model, format: Format, random: &mut Random) -> bool
     assert_eq!(dynamic, joints_without_inertia(&again).is_empty(), "{file}");
     for _ in 0..3 {
         let mut q = vec![0.0; model.nq()];
-        robots[0].random(|| random.between(0.0, 1.0), &mut q).expect("coordinates");
+        robots[0].random_configuration(|| random.between(0.0, 1.0), &mut q).expect("coordinates");
         let [qd, qdd] = [(); 2]
             .map(|()| -> Vec<f64> { (0..model.nv()).map(|_| random.between(-1.0, 1.0)).collect() });
         let settings = modyn_runtime::ConstraintSettings::<f64>::DEFAULT.numbers();
@@ -272,7 +272,7 @@ fn descriptions_are_written_and_read_again() {
     {
         let text = std::fs::read_to_string(&file).expect("UTF-8");
         let name = file.file_name().expect("a name").to_string_lossy().into_owned();
-        for base in [Base::Described, Base::Floating] {
+        for base in [Base::Auto, Base::Floating] {
             let options = ReadOptions {
                 base,
                 folder: file.parent().map(Into::into),

@@ -30,7 +30,7 @@ impl<S: fmt::Display, Name: fmt::Display> fmt::Display for ConfigurationError<S,
         match self {
             Self::Quaternion { joint, length } => write!(
                 f,
-                "the quaternion of joint `{joint}` has length {length}, not 1; `normalize` makes it 1"
+                "the quaternion of joint `{joint}` has length {length}, not 1; `normalize_configuration` makes it 1"
             ),
             Self::Shape { expected, found: length } => {
                 write!(f, "`q` must hold {expected} numbers but holds {length}")

@@ -101,10 +101,10 @@ traits! {
     DifferenceDerivatives "`{Self}` has no function `difference_derivatives`";
     /// Robots that have `velocity_to_qdot`.
     VelocityToQdot "`{Self}` has no function `velocity_to_qdot`";
-    /// Robots that have `normalize`.
-    Normalize "`{Self}` has no function `normalize`";
-    /// Robots that have `random`.
-    Random "`{Self}` has no function `random`";
+    /// Robots that have `normalize_configuration`.
+    NormalizeConfiguration "`{Self}` has no function `normalize_configuration`";
+    /// Robots that have `random_configuration`.
+    RandomConfiguration "`{Self}` has no function `random_configuration`";
     /// Robots that have `actuate_batch`.
     ActuateBatch "`{Self}` has no function `actuate_batch`";
     // <!-- end -->
@@ -288,7 +288,7 @@ all_of! {
     // <!-- data: default-functions -->
     ForwardDynamics InverseDynamics BiasForces GravityTorques MassMatrix Brge KineticEnergy
     PotentialEnergy CenterOfMass LinkPoses LinkPose Jacobian Integrate Difference VelocityToQdot
-    Normalize Random
+    NormalizeConfiguration RandomConfiguration
     // <!-- end -->
 }
 

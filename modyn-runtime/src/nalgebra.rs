@@ -306,21 +306,21 @@ impl<R: Robot, T: Scalar + RealField> Nalgebra<R, T> {
 
     /// Returns the coordinates with quaternions scaled to length 1.
     #[must_use]
-    pub fn normalize<const NQ: usize>(q: &SVector<T, NQ>) -> SVector<T, NQ>
+    pub fn normalize_configuration<const NQ: usize>(q: &SVector<T, NQ>) -> SVector<T, NQ>
     where
-        R: Robot<Q<T> = [T; NQ]> + functions::Normalize,
+        R: Robot<Q<T> = [T; NQ]> + functions::NormalizeConfiguration,
     {
-        R::normalize::<T>(array(q)).into()
+        R::normalize_configuration::<T>(array(q)).into()
     }
 
     /// Returns coordinates within the joint limits, from random numbers uniformly distributed in
     /// [0, 1).
     #[must_use]
-    pub fn random<const NQ: usize>(uniform: impl FnMut() -> T) -> SVector<T, NQ>
+    pub fn random_configuration<const NQ: usize>(uniform: impl FnMut() -> T) -> SVector<T, NQ>
     where
-        R: Robot<Q<T> = [T; NQ]> + functions::Random,
+        R: Robot<Q<T> = [T; NQ]> + functions::RandomConfiguration,
     {
-        R::random::<T>(uniform).into()
+        R::random_configuration::<T>(uniform).into()
     }
 }
 

@@ -56,7 +56,9 @@ fn random_coordinates_follow_from_their_numbers() {
     let random = |numbers: [f64; 11]| {
         let mut numbers = numbers.into_iter();
         let mut q = [0.0; 13];
-        interpreter.random(|| numbers.next().expect("nv numbers"), &mut q).expect("the size");
+        interpreter
+            .random_configuration(|| numbers.next().expect("nv numbers"), &mut q)
+            .expect("the size");
         assert_eq!(numbers.next(), None);
         q
     };

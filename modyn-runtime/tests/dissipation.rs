@@ -2,7 +2,7 @@
 #![cfg(feature = "alloc")]
 
 use modyn_runtime::joint::JointType;
-use modyn_runtime::model::{DEFAULT_GRAVITY, Friction, Joint, JointDynamics, Link, Model};
+use modyn_runtime::model::{DEFAULT_GRAVITY, Joint, JointDynamics, JointFriction, Link, Model};
 use modyn_runtime::{ForwardDerivatives, Inertial, Interpreter, Pose};
 
 const N: usize = 4;
@@ -30,7 +30,7 @@ fn model() -> Model {
         Link { name: format!("link{i}"), parent: parents[i], joint, inertial }
     });
     let model = Model::new("tree", DEFAULT_GRAVITY, links.collect(), Vec::new()).expect("good");
-    model.with_friction(Friction::Smooth(0.3)).expect("a transition velocity")
+    model.with_joint_friction(JointFriction::Smooth(0.3)).expect("a transition velocity")
 }
 
 /// Returns the matrix of central differences of `f` by `x`, by columns.

@@ -82,7 +82,7 @@ fn numbers<S: Scalar>(interpreter: &mut Interpreter<S>) -> Vec<S> {
     let mut random = Random(99);
     let mut vector = |n| (0..n).map(|_| S::from_f64(random.between(-1.0, 1.0))).collect::<Vec<S>>();
     let (mut q, qd, tau) = (vector(nq), vector(nv), vector(nv));
-    interpreter.normalize(&mut q).expect("the length");
+    interpreter.normalize_configuration(&mut q).expect("the length");
     let mut all = vec![S::zero(); nv];
     interpreter.forward_dynamics(&q, &qd, &tau, &mut all).expect("lengths");
     let mut torques = vec![S::zero(); nv];

@@ -9,7 +9,7 @@ use modyn_runtime::equations::identification::BaseParameters;
 use modyn_runtime::equations::{ForwardInput, Motion, State};
 use modyn_runtime::joint::JointType;
 use modyn_runtime::model::{
-    Frame, Friction, Joint, JointDynamics, Limits, Link, LoopConstraint, LoopConstraintEnd,
+    Frame, Joint, JointDynamics, JointFriction, Limits, Link, LoopConstraint, LoopConstraintEnd,
     LoopConstraintKind, Mimic, Model, ModuleTree,
 };
 use modyn_runtime::spatial::{Momentum, Twist, Vector3, Wrench};
@@ -137,9 +137,13 @@ impl Dice {
         if let Ok(other) = model.clone().with_gravity(gravity) {
             model = other;
         }
-        let friction =
-            [Friction::None, Friction::Viscous, Friction::Coulomb, Friction::Smooth(self.number())];
-        if let Ok(other) = model.clone().with_friction(friction[self.below(4)]) {
+        let friction = [
+            JointFriction::None,
+            JointFriction::Viscous,
+            JointFriction::Coulomb,
+            JointFriction::Smooth(self.number()),
+        ];
+        if let Ok(other) = model.clone().with_joint_friction(friction[self.below(4)]) {
             model = other;
         }
         let closures = (0..self.below(3)).map(|i| {
@@ -251,9 +255,9 @@ fn call(interpreter: &mut Interpreter<f64>, dice: &mut Dice) {
         r.integrate(&q, &qd, &mut moved).ok();
         r.difference(&q, &other, &mut a).ok();
         r.velocity_to_qdot(&q, &qd, &mut moved).ok();
-        r.normalize(&mut moved).ok();
+        r.normalize_configuration(&mut moved).ok();
         r.neutral(&mut moved).ok();
-        r.random(|| 0.7, &mut moved).ok();
+        r.random_configuration(|| 0.7, &mut moved).ok();
         r.check_configuration(&q).ok();
         r.denoc(&q).ok();
         r.decomposition(&q).ok();

@@ -44,7 +44,7 @@ impl Motion {
         let wrong = |error: &dyn std::fmt::Display| error.to_string();
         let interpreter = Interpreter::<f64>::new(model.clone());
         let mut q = q.to_vec();
-        interpreter.normalize(&mut q).map_err(|error| wrong(&error))?;
+        interpreter.normalize_configuration(&mut q).map_err(|error| wrong(&error))?;
         if options.friction.is_some() {
             lift_out_of_ground(model, &mut q).map_err(|error| wrong(&error))?;
         }

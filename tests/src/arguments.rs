@@ -24,7 +24,7 @@ pub fn arguments(function: Function, model: &Model, state: &State) -> Vec<Vec<f6
             |from: f64, to: f64| (0..length).map(|_| random.between(from, to)).collect();
         match (*name, kind) {
             // Quaternions that are longer than 1.
-            ("q", _) if function == Function::Normalize => {
+            ("q", _) if function == Function::NormalizeConfiguration => {
                 state.q.iter().map(|x| 2.0 * x).collect()
             }
             ("q" | "from", _) => state.q.clone(),
@@ -34,7 +34,9 @@ pub fn arguments(function: Function, model: &Model, state: &State) -> Vec<Vec<f6
             (_, ArgumentKind::Coordinates) => {
                 let mut q = vec![0.0; length];
                 let uniform = || random.between(0.0, 1.0);
-                Interpreter::new(model.clone()).random(uniform, &mut q).expect("nq numbers");
+                Interpreter::new(model.clone())
+                    .random_configuration(uniform, &mut q)
+                    .expect("nq numbers");
                 q
             }
             (_, ArgumentKind::Time) => vec![1.0 / 128.0],

@@ -16,7 +16,7 @@ pub fn changed(model: &Model, at: usize, inertial: Inertial) -> Model {
         });
     }
     Model::new(model.name(), model.gravity(), links, frames)
-        .and_then(|changed| changed.with_friction(model.friction()))
+        .and_then(|changed| changed.with_joint_friction(model.joint_friction()))
         .and_then(|changed| changed.with_springs(model.springs().to_vec()))
         .and_then(|changed| {
             changed.with_gravity_compensation(model.gravity_compensation().to_vec())

@@ -3,7 +3,7 @@
 
 use std::path::{Path, PathBuf};
 
-use modyn_codegen::{Base, Friction, Mimic, ReadOptions, Rotor, read};
+use modyn_codegen::{Base, JointFriction, Mimic, ReadOptions, Rotor, read};
 use modyn_codegen::{Builder, FloatType, Function, ModuleChoice};
 use modyn_runtime::model::{Model, ModuleTree};
 
@@ -85,7 +85,7 @@ pub struct Spec {
     /// Whether equal limbs share one function.
     pub share: bool,
     /// The friction of the joints.
-    pub friction: Friction,
+    pub friction: JointFriction,
     /// The rotors: joint, inertia and gear ratio.
     pub rotors: &'static [(&'static str, f64, f64)],
     /// The links with run-time inertias; if there are any, gravity is an argument, too.
@@ -121,19 +121,19 @@ pub const FLEET: &[Spec] = &[
     spec(Golden("solo12"), Chains, F64).floating().shared().part(Legged),
     spec(Golden("g1"), Chains, F64).floating().shared().part(Legged),
     spec(Described("quadruped"), Links, F64).floating().shared(),
-    spec(Described("mimic_gripper"), Chains, F64).resisted(Friction::Coulomb),
+    spec(Described("mimic_gripper"), Chains, F64).resisted(JointFriction::Coulomb),
     spec(Described("mimic_gripper"), Links, F64)
         .floating()
-        .resisted(Friction::Coulomb)
+        .resisted(JointFriction::Coulomb)
         .all()
         .part(Complete),
     spec(Described("four_bar"), Chains, F64),
     spec(Described("joint_zoo"), Chains, F64)
-        .resisted(Friction::Smooth(0.02))
+        .resisted(JointFriction::Smooth(0.02))
         .driven(&[("elbow", 2e-5, 80.0), ("glide", 0.01, 3.0)]),
     // Sharing of limbs changes nothing here; the name differs from that of the robot above.
     spec(Described("joint_zoo"), Chains, F64)
-        .resisted(Friction::Smooth(0.02))
+        .resisted(JointFriction::Smooth(0.02))
         .driven(&[("elbow", 2e-5, 80.0), ("glide", 0.01, 3.0)])
         .shared()
         .all()
@@ -161,7 +161,7 @@ pub const FLEET: &[Spec] = &[
 ];
 
 const fn spec(source: Source, division: Division, float: FloatType) -> Spec {
-    let (friction, rotors, loaded): (_, &[_], &[_]) = (Friction::None, &[], &[]);
+    let (friction, rotors, loaded): (_, &[_], &[_]) = (JointFriction::None, &[], &[]);
     let (all, floating, share) = (false, false, false);
     Spec {
         source,
@@ -198,7 +198,7 @@ impl Spec {
         self
     }
 
-    const fn resisted(mut self, friction: Friction) -> Self {
+    const fn resisted(mut self, friction: JointFriction) -> Self {
         self.friction = friction;
         self
     }
@@ -284,7 +284,7 @@ impl Spec {
         let options = ReadOptions {
             mimic: self.mimic(),
             base: self.base(),
-            friction: Some(self.friction),
+            joint_friction: Some(self.friction),
             rotors: self.rotors.iter().map(rotor).collect(),
             ..ReadOptions::default()
         };
@@ -319,12 +319,12 @@ impl Spec {
             Some(file) => {
                 let file = builder.urdf(file).mimic(self.mimic()).base(self.base());
                 let rotors = self.rotors.iter().map(|rotor| Rotor::new(rotor.0, rotor.1, rotor.2));
-                file.friction(self.friction).rotors(rotors)
+                file.joint_friction(self.friction).rotors(rotors)
             }
             None => builder.model(model),
         };
         if self.share {
-            builder = builder.share();
+            builder = builder.share_limbs();
         }
         if self.all {
             builder = builder.functions(Self::all_functions());

@@ -28,7 +28,7 @@ pub fn floated(model: &Model, extra: Inertial) -> Model {
         .cloned()
         .map(|frame| Frame { link: Some(frame.link.map_or(0, |link| link + 1)), ..frame });
     Model::new(model.name(), model.gravity(), links, frames.collect())
-        .and_then(|floating| floating.with_friction(model.friction()))
+        .and_then(|floating| floating.with_joint_friction(model.joint_friction()))
         .and_then(|floating| floating.with_springs(springs.collect()))
         .and_then(|floating| {
             floating.with_gravity_compensation(model.gravity_compensation().to_vec())

@@ -3,7 +3,7 @@
 
 use modyn_runtime::equations::Forces;
 use modyn_runtime::joint::JointType;
-use modyn_runtime::model::{Friction, Model, Spring};
+use modyn_runtime::model::{JointFriction, Model, Spring};
 use modyn_runtime::spatial::{Pose, Wrench};
 use nalgebra::{
     DMatrix, DVector, Isometry3, Matrix3, Matrix3xX, Quaternion, Rotation3, Unit, UnitQuaternion,
@@ -340,10 +340,12 @@ impl<'a> Naive<'a> {
                 let rate = ratio * qd[*v];
                 let sign = if rate == 0.0 { 0.0 } else { rate.signum() };
                 tau[*v] += ratio
-                    * match self.model.friction() {
-                        Friction::Viscous => dynamics.damping * rate,
-                        Friction::Coulomb => dynamics.damping * rate + dynamics.friction * sign,
-                        Friction::Smooth(w) => {
+                    * match self.model.joint_friction() {
+                        JointFriction::Viscous => dynamics.damping * rate,
+                        JointFriction::Coulomb => {
+                            dynamics.damping * rate + dynamics.friction * sign
+                        }
+                        JointFriction::Smooth(w) => {
                             dynamics.damping * rate + dynamics.friction * rate / rate.hypot(w)
                         }
                         _ => 0.0,

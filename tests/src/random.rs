@@ -7,7 +7,7 @@ use std::ops::Range;
 use modyn_runtime::joint::JointType;
 use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::model::{
-    DEFAULT_GRAVITY, Frame, Friction, Inertial, Joint, JointDynamics, JointSum, Limits, Link,
+    DEFAULT_GRAVITY, Frame, Inertial, Joint, JointDynamics, JointFriction, JointSum, Limits, Link,
     Mimic, Model, ModuleTree, SoftConstraints, SoftCoupling, SoftTendon, Softness, Spring,
     TendonJoint, TendonSpring,
 };
@@ -411,12 +411,12 @@ pub fn limbs(seed: u64, joints: usize) -> Model {
     let mut parts = Parts { gravity: DEFAULT_GRAVITY, links, frames };
     let friction = if random.chance(0.3) {
         parts.joint_dynamics(&mut random);
-        Friction::Viscous
+        JointFriction::Viscous
     } else {
-        Friction::None
+        JointFriction::None
     };
     let model = parts.model(format!("limbs{seed}_{joints}"));
-    let model = model.with_friction(friction).expect("sound friction");
+    let model = model.with_joint_friction(friction).expect("sound friction");
     let springs = springs(seed, 0.3, &model);
     model.with_springs(springs).expect("sound springs")
 }
@@ -532,12 +532,12 @@ fn furnished(mut parts: Parts, seed: u64, name: String) -> Model {
         parts.joint_dynamics(&mut random);
     }
     let friction = match random.below(3) {
-        0 => Friction::None,
-        1 => Friction::Viscous,
-        _ => Friction::Smooth(random.between(0.05, 0.5)),
+        0 => JointFriction::None,
+        1 => JointFriction::Viscous,
+        _ => JointFriction::Smooth(random.between(0.05, 0.5)),
     };
     let model = parts.model(name);
-    let model = model.with_friction(friction).expect("sound friction");
+    let model = model.with_joint_friction(friction).expect("sound friction");
     let springs = springs(seed, 0.5, &model);
     let model = model.with_springs(springs).expect("sound springs");
     let factors = gravity_compensation(seed, &model);
@@ -760,12 +760,12 @@ pub fn state(seed: u64, model: &Model) -> State {
     };
     let (nq, nv) = (model.nq(), model.nv());
     let mut q = vector(nq, 3.0);
-    normalize(model, &mut q);
+    normalize_configuration(model, &mut q);
     State { q, qd: vector(nv, 1.5), qdd: vector(nv, 3.0), tau: vector(nv, 10.0) }
 }
 
 /// Scales the quaternions in `q` to unit length.
-pub fn normalize(model: &Model, q: &mut [f64]) {
+pub fn normalize_configuration(model: &Model, q: &mut [f64]) {
     for (i, link) in model.links().iter().enumerate() {
         let range = model.q_range(i);
         let quaternion = match link.joint.joint_type {

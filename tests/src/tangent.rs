@@ -4,7 +4,7 @@ use modyn_runtime::joint::JointType;
 use modyn_runtime::model::Model;
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
-use crate::random::normalize;
+use crate::random::normalize_configuration;
 
 /// Returns dq/dt at `q` and velocities `qd`: q (w, 0) / 2 for a quaternion, R v for the position of a floating joint,
 /// and the velocities themselves for other joints.
@@ -35,7 +35,7 @@ pub fn rates(model: &Model, q: &[f64], qd: &[f64]) -> Vec<f64> {
 pub fn along(model: &Model, q: &[f64], time: f64, qd: &[f64]) -> Vec<f64> {
     let mut moved = rates(model, q, qd);
     moved.iter_mut().zip(q).for_each(|(rate, q)| *rate = q + time * *rate);
-    normalize(model, &mut moved);
+    normalize_configuration(model, &mut moved);
     moved
 }
 

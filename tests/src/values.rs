@@ -290,8 +290,8 @@ macro_rules! row_results {
             other IntegrateDerivatives integrate_derivatives [] [q v] [];
             other DifferenceDerivatives difference_derivatives [] [from to] [];
             default VelocityToQdot velocity_to_qdot [] [q qd] [];
-            default Normalize normalize [] [q] [];
-            default Random random [] [uniforms] [];
+            default NormalizeConfiguration normalize_configuration [] [q] [];
+            default RandomConfiguration random_configuration [] [uniforms] [];
             // <!-- end -->
         }
     };

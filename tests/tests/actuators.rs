@@ -2,7 +2,7 @@
 
 use modyn_codegen::{ReadOptions, read_mjcf};
 use modyn_runtime::equations::actuation::ActuatorInput;
-use modyn_runtime::model::Friction;
+use modyn_runtime::model::JointFriction;
 use modyn_runtime::{ActuatorOutputs, Interpreter};
 use serde_json::Value;
 
@@ -21,7 +21,8 @@ fn forces_and_activations_are_mujocos() {
     let models: Value = serde_json::from_str(&text).expect("JSON");
     let mut compared = 0;
     for (k, file) in models.as_array().expect("a list").iter().enumerate() {
-        let options = ReadOptions { friction: Some(Friction::None), ..ReadOptions::default() };
+        let options =
+            ReadOptions { joint_friction: Some(JointFriction::None), ..ReadOptions::default() };
         let reading = read_mjcf(file["xml"].as_str().expect("a text"), "m.xml", &options);
         let reading = reading.expect("an MJCF");
         let warning = reading.warnings.iter().find(|warning| warning.message.contains("actuator"));

@@ -66,7 +66,7 @@ fn of_difference(robot: &Interpreter<f64>, from: &[f64], to: &[f64]) -> [Vec<f64
 fn state(model: &Model, angle: f64, random: &mut Random) -> (Vec<f64>, Vec<f64>) {
     let mut q = vec![0.0; model.nq()];
     Interpreter::<f64>::new(model.clone())
-        .random(|| random.between(0.0, 1.0), &mut q)
+        .random_configuration(|| random.between(0.0, 1.0), &mut q)
         .expect(LENGTHS);
     let mut v: Vec<f64> = (0..model.nv()).map(|_| random.between(-1.0, 1.0)).collect();
     for at in [3, 6] {

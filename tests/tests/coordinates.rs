@@ -73,7 +73,7 @@ fn rates(robot: &Interpreter<f64>, q: &[f64], qd: &[f64]) -> Vec<f64> {
 
 fn random_q(robot: &Interpreter<f64>, random: &mut Random) -> Vec<f64> {
     let mut q = vec![0.0; robot.model().nq()];
-    robot.random(|| random.between(0.0, 1.0), &mut q).expect(LENGTHS);
+    robot.random_configuration(|| random.between(0.0, 1.0), &mut q).expect(LENGTHS);
     q
 }
 
@@ -321,7 +321,7 @@ fn random_coordinates_take_one_number_a_degree_of_freedom() {
             calls += 1;
             number
         };
-        robot.random(uniform, &mut q).expect(LENGTHS);
+        robot.random_configuration(uniform, &mut q).expect(LENGTHS);
         assert_eq!(calls, robot.model().nv());
         assert!(q.iter().all(|x| x.is_finite()));
     }
@@ -403,11 +403,11 @@ fn normalizing_leaves_rotations_and_gives_zeros_the_identity() {
         for (at, _) in rotations(robot.model()) {
             q[at..at + 4].iter_mut().for_each(|x| *x *= scale);
         }
-        robot.normalize(&mut q).expect(LENGTHS);
+        robot.normalize_configuration(&mut q).expect(LENGTHS);
         assert_close("normalized", &q, &expected, 1e-15);
     }
     let (mut q, mut neutral) = (vec![0.0; expected.len()], vec![f64::NAN; expected.len()]);
-    robot.normalize(&mut q).expect(LENGTHS);
+    robot.normalize_configuration(&mut q).expect(LENGTHS);
     robot.neutral(&mut neutral).expect(LENGTHS);
     assert_eq!(q, neutral);
     let ones = rotations(robot.model()).into_iter().map(|(at, _)| at + 3);
@@ -433,7 +433,7 @@ fn lengths_are_checked() {
     assert_eq!(robot.velocity_to_qdot(&short, &v, &mut to_q), error("q", nq));
     assert_eq!(robot.velocity_to_qdot(&q, &short, &mut to_q), error("qd", nv));
     assert_eq!(robot.velocity_to_qdot(&q, &v, &mut [0.0]), error("rates", nq));
-    assert_eq!(robot.normalize(&mut [0.0]), error("q", nq));
+    assert_eq!(robot.normalize_configuration(&mut [0.0]), error("q", nq));
     assert_eq!(robot.neutral(&mut [0.0]), error("q", nq));
-    assert_eq!(robot.random(|| 0.5, &mut [0.0]), error("q", nq));
+    assert_eq!(robot.random_configuration(|| 0.5, &mut [0.0]), error("q", nq));
 }

@@ -2,7 +2,7 @@
 //! bias accelerations, and differences along the motion.
 
 use modyn_runtime::Interpreter;
-use modyn_runtime::model::{Friction, Model};
+use modyn_runtime::model::{JointFriction, Model};
 use modyn_runtime::spatial::Twist;
 use modyn_tests::close::assert_close;
 use modyn_tests::random::{self, State};
@@ -22,7 +22,7 @@ fn robots() -> impl Iterator<Item = (u64, Model)> {
             random::mixed_zoo(seed, 7),
             random::mixed_tree(seed, 5),
         ];
-        models.map(|model| (seed, model.with_friction(Friction::None).expect("valid")))
+        models.map(|model| (seed, model.with_joint_friction(JointFriction::None).expect("valid")))
     })
 }
 

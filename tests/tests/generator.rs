@@ -1,7 +1,7 @@
 //! The random robots are the same on every host, and they vary in every property.
 
 use modyn_runtime::joint::JointType;
-use modyn_runtime::model::{Friction, JointDynamics, Model};
+use modyn_runtime::model::{JointDynamics, JointFriction, Model};
 use modyn_tests::random::{State, chain, general_tree, general_zoo, state, tree, zoo};
 
 /// Returns the FNV-1a hash of the bits of a model's and a state's numbers.
@@ -116,8 +116,11 @@ fn zoos_have_all_there_is() {
     let driven =
         |model: &Model| model.links().iter().any(|l| l.joint.dynamics != JointDynamics::default());
     assert!((20..=45).contains(&count(&driven)));
-    assert!((5..=30).contains(&count(&|model| model.friction() == Friction::Viscous)));
-    assert!((5..=30).contains(&count(&|model| matches!(model.friction(), Friction::Smooth(_)))));
+    assert!((5..=30).contains(&count(&|model| model.joint_friction() == JointFriction::Viscous)));
+    assert!(
+        (5..=30)
+            .contains(&count(&|model| matches!(model.joint_friction(), JointFriction::Smooth(_))))
+    );
 }
 
 /// No entry of an axis, a rotation or a translation is near 0 or 1 in magnitude.

@@ -6,7 +6,7 @@ use modyn_runtime::Interpreter;
 use modyn_runtime::equations::brge::UduLayout;
 use modyn_runtime::equations::dynamics::Elimination;
 use modyn_runtime::mechanism::Mechanism;
-use modyn_runtime::model::{Friction, Model, ModuleTree};
+use modyn_runtime::model::{JointFriction, Model, ModuleTree};
 use modyn_tests::cases::{Robot, cases, robots, zoos};
 use modyn_tests::close::assert_close;
 use modyn_tests::quantities::{Quantities, numbers};
@@ -59,7 +59,7 @@ proptest! {
 
     #[test]
     fn coulomb_friction(robot in zoos(10)) {
-        let model = robot.model().with_friction(Friction::Coulomb).expect("sound");
+        let model = robot.model().with_joint_friction(JointFriction::Coulomb).expect("sound");
         let State { q, mut qd, .. } = state(robot.seed(), &model);
         qd[0] = 0.0;
         let expected = Interpreter::<f64>::new(model.clone()).bias(&q, &qd);

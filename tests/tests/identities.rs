@@ -5,7 +5,7 @@ use std::iter::zip;
 use std::ops::Range;
 
 use modyn_runtime::joint::JointType;
-use modyn_runtime::model::{Friction, Link, Model, ModuleTree};
+use modyn_runtime::model::{JointFriction, Link, Model, ModuleTree};
 use modyn_runtime::quantities::Function;
 use modyn_runtime::spatial::{Vector3, Wrench};
 use modyn_runtime::{Forces, Interpreter, ShapeError};
@@ -15,7 +15,9 @@ use modyn_tests::close::{assert_close, difference};
 use modyn_tests::dense::{dense, dot, identity, square, times};
 use modyn_tests::naive::Naive;
 use modyn_tests::quantities::{Quantities, numbers};
-use modyn_tests::random::{self, Random, State, modules, normalize, springs_are_smooth, state};
+use modyn_tests::random::{
+    self, Random, State, modules, normalize_configuration, springs_are_smooth, state,
+};
 use modyn_tests::tangent::{along, rates};
 use nalgebra::{DVector, Matrix3};
 use proptest::prelude::*;
@@ -313,7 +315,7 @@ proptest! {
     #[test]
     fn energy_is_conserved_in_free_fall(robot in robots(15)) {
         // Rotors stay; dissipation is left out.
-        let model = robot.model().with_friction(Friction::None).expect("sound");
+        let model = robot.model().with_joint_friction(JointFriction::None).expect("sound");
         let State { mut q, mut qd, .. } = state(robot.seed(), &model);
         prop_assume!(springs_are_smooth(&model, &q));
         let mut interpreter = Interpreter::<f64>::new(model.clone());
@@ -328,7 +330,7 @@ proptest! {
             // The classical fourth-order Runge-Kutta method.
             let moved = |by: f64, rate: &[f64]| {
                 let mut moved = plus(&q, by, rate);
-                normalize(&model, &mut moved);
+                normalize_configuration(&model, &mut moved);
                 moved
             };
             let mut slope =
@@ -341,7 +343,7 @@ proptest! {
                 q = plus(&q, h * weight / 6.0, &v);
                 qd = plus(&qd, h * weight / 6.0, &acceleration);
             }
-            normalize(&model, &mut q);
+            normalize_configuration(&model, &mut q);
         }
         let after = total(&q, &qd);
         let scale = before.0 + before.1.abs() + after.0;
@@ -493,7 +495,7 @@ proptest! {
 
     #[test]
     fn coulomb_friction_is_against_the_motion(robot in zoos(15)) {
-        let model = robot.model().with_friction(Friction::Coulomb).expect("sound");
+        let model = robot.model().with_joint_friction(JointFriction::Coulomb).expect("sound");
         let State { q, mut qd, qdd, .. } = state(robot.seed(), &model);
         qd[0] = 0.0;
         let mut interpreter = Interpreter::<f64>::new(model.clone());

@@ -4,7 +4,7 @@
 use modyn_runtime::equations::TimeStepInput;
 use modyn_runtime::joint::JointType;
 use modyn_runtime::mechanism::Mechanism;
-use modyn_runtime::model::{Friction, JointDynamics, Model};
+use modyn_runtime::model::{JointDynamics, JointFriction, Model};
 use modyn_runtime::{Interpreter, ShapeError, StepOutputs};
 use modyn_tests::close::assert_close;
 use modyn_tests::floating::floated;
@@ -351,7 +351,7 @@ fn damped(model: &Model, damping: f64) -> Model {
         link.joint.dynamics = JointDynamics { damping, ..link.joint.dynamics };
     }
     Model::new(model.name(), [0.0; 3], links, model.frames().to_vec())
-        .and_then(|model| model.with_friction(Friction::Viscous))
+        .and_then(|model| model.with_joint_friction(JointFriction::Viscous))
         .unwrap_or_else(|errors| panic!("{errors:?}"))
 }
 

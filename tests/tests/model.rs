@@ -6,7 +6,7 @@ use modyn_runtime::model::ModelErrorKind::{
     NotFinite, Order, Parent, Rotation, SecondAxis,
 };
 use modyn_runtime::model::{
-    DEFAULT_GRAVITY, Frame, Friction, Inertial, InertialDefect, Joint, JointDynamics,
+    DEFAULT_GRAVITY, Frame, Inertial, InertialDefect, Joint, JointDynamics, JointFriction,
     JointReference, Link, Mimic, Model, ModelErrorKind, ModuleError, ModuleTree, SoftConstraints,
     Spring,
 };
@@ -282,14 +282,20 @@ fn tendons_and_couplings() {
 #[test]
 fn numbers_of_the_whole_model() {
     for width in [0.0, -0.1, f64::NAN, f64::INFINITY] {
-        let errors = model().with_friction(Friction::Smooth(width)).expect_err("no velocity");
-        assert_eq!(errors.iter().map(|e| e.kind).collect::<Vec<_>>(), [ModelErrorKind::Friction]);
+        let errors =
+            model().with_joint_friction(JointFriction::Smooth(width)).expect_err("no velocity");
+        assert_eq!(
+            errors.iter().map(|e| e.kind).collect::<Vec<_>>(),
+            [ModelErrorKind::JointFriction]
+        );
     }
     let errors = model().with_gravity([0.0, f64::NAN, 0.0]).expect_err("not finite");
     assert_eq!(errors.iter().map(|e| e.kind).collect::<Vec<_>>(), [NotFinite]);
-    let model = model().with_friction(Friction::Smooth(0.1)).and_then(|m| m.with_gravity([0.0; 3]));
+    let model = model()
+        .with_joint_friction(JointFriction::Smooth(0.1))
+        .and_then(|m| m.with_gravity([0.0; 3]));
     let model = model.expect("sound");
-    assert_eq!((model.friction(), model.gravity()), (Friction::Smooth(0.1), [0.0; 3]));
+    assert_eq!((model.joint_friction(), model.gravity()), (JointFriction::Smooth(0.1), [0.0; 3]));
 }
 
 #[test]
@@ -331,9 +337,10 @@ fn joints_of_several_coordinates() {
     for (link, joint_type) in parts.links.iter_mut().zip(types) {
         link.joint.joint_type = joint_type;
     }
-    let model = make(parts).expect("a model").with_friction(Friction::Viscous).expect("sound");
+    let model =
+        make(parts).expect("a model").with_joint_friction(JointFriction::Viscous).expect("sound");
     assert_eq!((model.nq(), model.nv(), model.has_mimics()), (16, 14, false));
-    assert_eq!(model.friction(), Friction::Viscous);
+    assert_eq!(model.joint_friction(), JointFriction::Viscous);
     assert_eq!([0, 1, 2, 3].map(|i| model.q_range(i)), [0..7, 7..11, 11..14, 14..16]);
     assert_eq!([0, 1, 2, 3].map(|i| model.v_range(i)), [0..6, 6..9, 9..12, 12..14]);
     let names = model.coordinate_names();
@@ -464,7 +471,7 @@ fn a_broken_model_is_not_deserialized() {
         "{error}"
     );
     let mut json = serde_json::to_value(model()).expect("plain data");
-    json["friction"] = serde_json::json!({ "Smooth": -0.1 });
+    json["joint_friction"] = serde_json::json!({ "Smooth": -0.1 });
     let error = serde_json::from_value::<Model>(json).expect_err("no velocity").to_string();
     assert!(error.contains("smooth friction"), "{error}");
 }
@@ -472,7 +479,7 @@ fn a_broken_model_is_not_deserialized() {
 #[test]
 fn optional_fields_can_be_left_out() {
     let mut json = serde_json::to_value(model()).expect("plain data");
-    for part in ["friction", "loop_constraints"] {
+    for part in ["joint_friction", "loop_constraints"] {
         json.as_object_mut().expect("an object").remove(part).expect("written");
     }
     assert_eq!(serde_json::from_value::<Model>(json).expect("a model"), model());

@@ -3,7 +3,7 @@
 use modyn_runtime::equations::identification::BaseParameters;
 use modyn_runtime::joint::JointType;
 use modyn_runtime::model::{
-    DEFAULT_GRAVITY, Friction, Inertial, Joint, JointDynamics, Link, Mimic, Model,
+    DEFAULT_GRAVITY, Inertial, Joint, JointDynamics, JointFriction, Link, Mimic, Model,
 };
 use modyn_runtime::spatial::Pose;
 use modyn_runtime::{Interpreter, ShapeError};
@@ -119,7 +119,8 @@ fn joint_dynamics_are_not_in_the_regressor() {
     let mut links = model.links().to_vec();
     links.iter_mut().for_each(|link| link.joint.dynamics = dynamics);
     let model = Model::new("driven", model.gravity(), links, vec![]).expect("a valid model");
-    let mut robot = Interpreter::new(model.with_friction(Friction::Viscous).expect("sound"));
+    let mut robot =
+        Interpreter::new(model.with_joint_friction(JointFriction::Viscous).expect("sound"));
     let state = state(&robot, 5);
     let [q, qd, qdd] = &state;
     let linear = regressor(&mut robot, &state) * parameters(robot.model());

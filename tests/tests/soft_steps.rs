@@ -9,8 +9,8 @@ use modyn_runtime::equations::soft_constraints::{
     JointParameters, SoftModel, StepInput, StopParameters,
 };
 use modyn_runtime::model::{
-    Cone, Contact, ContactComponents, ContactKind, ContactShape, Friction, Impedance,
-    JointDynamics, JointSoftness, LoopConstraintEnd, Model, ModuleTree, SoftConstraints, Softness,
+    Cone, Contact, ContactComponents, ContactKind, ContactShape, Impedance, JointDynamics,
+    JointFriction, JointSoftness, LoopConstraintEnd, Model, ModuleTree, SoftConstraints, Softness,
     TouchingShape,
 };
 use modyn_runtime::quantities::Function;
@@ -64,7 +64,7 @@ fn robot(file: &Value) -> Model {
         Contact { name: text(&contact["name"]).into(), kind: ContactKind::Point, end }
     });
     Model::new(name, [0.0, 0.0, -9.81], links, model.frames().to_vec())
-        .and_then(|model| model.with_friction(Friction::Viscous))
+        .and_then(|model| model.with_joint_friction(JointFriction::Viscous))
         .and_then(|model| model.with_contacts(contacts.collect()))
         .expect("a robot")
 }
@@ -231,7 +231,7 @@ pub fn records(file: &str) -> Vec<Value> {
 pub fn floor(mjcf: &str) -> Model {
     // The forces of tendons act in steps, and so do all couplings.
     let options = ReadOptions {
-        unread_forces: Severity::Warning,
+        unsupported_forces: Severity::Warning,
         mimic: Mimic::Independent,
         ..ReadOptions::default()
     };
@@ -340,7 +340,7 @@ fn shaped(seed: u64) -> Model {
 fn forces_and_accelerations_are_in_equilibrium() {
     let [mut open, mut pushing, mut mimic] = [0; 3];
     for seed in 0..60 {
-        let model = touching(seed).with_friction(Friction::None).expect("no friction");
+        let model = touching(seed).with_joint_friction(JointFriction::None).expect("no friction");
         mimic += usize::from(model.has_mimics());
         let (nq, nv) = (model.nq(), model.nv());
         let mut robot = Interpreter::<f64>::new(model.clone());

@@ -4,7 +4,7 @@ macro_rules! forward {
     };
 }
 forward!();
-modyn::modyn!("good.urdf", friction = smooth(0.0));
+modyn::modyn!("good.urdf", joint_friction = smooth(0.0));
 modyn::modyn!("good.urdf", rotors = ["elbow": (-1e-4, 100.0), "wrist": (1e-4, 100.0)]);
 
 fn main() {}

@@ -7,7 +7,7 @@ modyn::modyn! {
     base = flying,
     mimic independent,
     unphysical_inertia = ignore,
-    friction = smooth,
+    joint_friction = smooth,
     rotors = ["elbow": 1e-4],
     payload = [7],
     functions = [default, forward_kinematics],
@@ -19,8 +19,9 @@ modyn::modyn!("good.urdf", gravity = [0.0, down, 1.0]);
 modyn::modyn!("good.urdf", gravity = later);
 modyn::modyn!("good.urdf", scalar = f32 base = fixed);
 modyn::modyn!("good.urdf",, scalar = f32);
-modyn::modyn!("good.urdf", friction = sticky);
-modyn::modyn!("good.urdf", friction = smooth(slow));
+modyn::modyn!("good.urdf", joint_friction = sticky);
+modyn::modyn!("good.urdf", friction = none);
+modyn::modyn!("good.urdf", joint_friction = smooth(slow));
 modyn::modyn!("good.urdf", rotors = ["elbow"]);
 modyn::modyn!("good.urdf", functions = "all");
 modyn::modyn!("good.urdf", functions = [mas_matrix]);

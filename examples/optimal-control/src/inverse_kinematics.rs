@@ -65,11 +65,11 @@ where
         + functions::Integrate
         + functions::Jacobian
         + functions::LinkPose
-        + functions::Random,
+        + functions::RandomConfiguration,
 {
     let mut iterations = 0;
     for starts in 1..=1 + options.restarts {
-        let mut q = if starts == 1 { middle::<R>() } else { R::random(&mut uniform) };
+        let mut q = if starts == 1 { middle::<R>() } else { R::random_configuration(&mut uniform) };
         for _ in 0..options.iterations {
             let error = pose_error(&R::link_pose(&q, link), target);
             if error.norm() < options.tolerance {
@@ -142,7 +142,7 @@ mod tests {
         let mut uniform = uniform(1);
         let mut at_limits = 0;
         for case in 0..200 {
-            let goal = Arm::random(&mut uniform);
+            let goal = Arm::random_configuration(&mut uniform);
             let target = Arm::link_pose(&goal, ArmLink::GraspPoint);
             let found =
                 reach::<Arm>(ArmLink::GraspPoint, &target, &Options::default(), &mut uniform);

@@ -123,7 +123,7 @@ fn solve_inverse_kinematics() {
     const TARGETS: u32 = 200;
     let mut uniform = problems::uniform(1);
     let targets: Vec<Pose<f64>> = (0..TARGETS)
-        .map(|_| Arm::link_pose(&Arm::random(&mut uniform), ArmLink::GraspPoint))
+        .map(|_| Arm::link_pose(&Arm::random_configuration(&mut uniform), ArmLink::GraspPoint))
         .collect();
     let options = inverse_kinematics::Options::default();
     let solve = || -> Vec<_> {

@@ -2,10 +2,11 @@
 
 modyn::modyn! {
     pub(crate) Arm = "../../robots/arm7.urdf",
-    friction = none, // the description's damping does not act
+    joint_friction = none, // the description's damping does not act
     functions = [
         forward_dynamics, gravity_torques, step_semi_implicit, step_semi_implicit_derivatives,
-        link_pose, jacobian, integrate, difference, velocity_to_qdot, normalize, random,
+        link_pose, jacobian, integrate, difference, velocity_to_qdot, normalize_configuration,
+        random_configuration,
     ]
 }
 

@@ -35,9 +35,9 @@ impl Types {
         function: Function,
     ) -> Result<(), Box<dyn Error>> {
         write!(self.table, "    {label}")?;
-        for code in [CodeForm::Fast, CodeForm::Small] {
+        for code in [CodeForm::Unrolled, CodeForm::Looped] {
             let name = format!("{code:?}{name}");
-            let functions = [function, Function::Random];
+            let functions = [function, Function::RandomConfiguration];
             let builder = builder.clone().functions(functions).type_name(&name).code(code);
             let generated = builder.generate()?;
             self.items += &generated.text;

@@ -71,7 +71,7 @@ def on_host(robot):
     import modyn
 
     path, floating = ROBOTS[robot]
-    return modyn.load(ROOT / path, friction="none", **({"base": "floating"} if floating else {}))
+    return modyn.load(ROOT / path, joint_friction="none", **({"base": "floating"} if floating else {}))
 
 
 def agrees(name, robot, found, function="forward_dynamics"):
@@ -143,7 +143,7 @@ def measure_modyn(scalar, selected):
             nq, nv = every[0].shape[1], every[1].shape[1]
             rollout = function.startswith("rollout")
             own = ["--functions", "step_semi_implicit", "--rollout"] if rollout else ["--functions", function]
-            run = kernel([path, "--friction", "none", *base, *own], scalar, f"{prefix}_{function}")
+            run = kernel([path, "--joint-friction", "none", *base, *own], scalar, f"{prefix}_{function}")
             results = {"forward_dynamics": nv, "forward_dynamics_derivatives": nv * (1 + 3 * nv)}.get(function, nq + nv)
             for n in SIZES:
                 if results * n * dtype().itemsize > MAX_BYTES:
@@ -174,7 +174,7 @@ def measure_ground(dtype, scalar, wait):
 
     path = "robots/quadruped.urdf"
     contacts = {foot: ("point", f"{foot}_foot", [0.0, 0.0, 0.0]) for foot in FEET}
-    robot = modyn.load(ROOT / path, base="floating", contacts=contacts, friction="none")
+    robot = modyn.load(ROOT / path, base="floating", contacts=contacts, joint_friction="none")
     q = np.concatenate([np.zeros(6), [1.0], [[0.0, 0.6, -1.2][k % 3] * (1 if k < 6 else -1) for k in range(12)]])
     q[2] = -min(robot.link_pose(q, link=f"{foot}_foot").translation[2] for foot in FEET)
     tau = robot.constrained_inverse_dynamics(q, np.zeros(robot.nv), np.zeros(robot.nv)).tau
@@ -186,7 +186,7 @@ def measure_ground(dtype, scalar, wait):
     few = q[:COMPARED]
     host = robot.rollout(few, 0 * few[:, 1:], np.tile(tau, (COMPARED, STEPS, 1)), DT, step="step", trajectory=False)
     own = [x for foot in FEET for x in ("--contacts", f"{foot}: point({foot}_foot)")]
-    options = [path, "--base", "floating", "--friction", "none", *own, "--functions", "step", "--rollout"]
+    options = [path, "--base", "floating", "--joint-friction", "none", *own, "--functions", "step", "--rollout"]
     run = kernel(options, scalar, "quadruped_rollout")
     times = []
     for n in SIZES:

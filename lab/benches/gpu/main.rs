@@ -59,7 +59,7 @@ fn states(interpreter: &Interpreter<f64>, count: usize) -> [Vec<Vec<f64>>; 3] {
     let [mut q, qd, tau] = [vectors(nq), vectors(nv), vectors(nv)];
     for q in &mut q {
         let mut unit = q.clone();
-        interpreter.normalize(&mut unit).expect("lengths");
+        interpreter.normalize_configuration(&mut unit).expect("lengths");
         *q = unit.iter().map(|x| f64::from(*x as f32)).collect();
     }
     [q, qd, tau]

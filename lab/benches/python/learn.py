@@ -64,7 +64,7 @@ class Modyn:
         import modyn
         import modyn.jax
 
-        self.robot = modyn.load(path, friction="none", **({"base": "floating"} if floating else {}))
+        self.robot = modyn.load(path, joint_friction="none", **({"base": "floating"} if floating else {}))
         self.forward_dynamics = modyn.jax.function(self.robot, "forward_dynamics")
         step = modyn.jax.function(self.robot, "step_semi_implicit")
         self.step = lambda q, qd, tau: tuple(step(q, qd, tau, DT))
@@ -236,7 +236,7 @@ def measure_torch(library):
         import modyn
         import modyn.torch
 
-        forward_dynamics = modyn.torch.function(modyn.load(path, friction="none"), "forward_dynamics")
+        forward_dynamics = modyn.torch.function(modyn.load(path, joint_friction="none"), "forward_dynamics")
     else:
         forward_dynamics = pinocchio_in_torch(path)
     given = [torch.from_numpy(x).requires_grad_() for x in (q, qd, tau)]

@@ -48,7 +48,7 @@ class Modyn:
     def __init__(self, path):
         import modyn
 
-        self.robot = modyn.load(path, friction="none")
+        self.robot = modyn.load(path, joint_friction="none")
         self.one = self.robot.forward_dynamics
         self.batch = self.robot.forward_dynamics
 
@@ -63,7 +63,7 @@ class ModynSingle:
     def __init__(self, path):
         import modyn
 
-        self.robot = modyn.load(path, friction="none", scalar="f32")
+        self.robot = modyn.load(path, joint_friction="none", scalar="f32")
         self.one = self.robot.forward_dynamics
         self.batch = self.robot.forward_dynamics
 

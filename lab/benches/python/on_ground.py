@@ -45,7 +45,7 @@ def worlds(file, points):
         posture = [[0.0, 0.6, -1.2][k % 3] * (1 if k < 6 else -1) for k in range(12)]
     world.place_at(posture, 0.0)
     contacts = {name: ("point", link, list(place)) for name, (link, place) in points.items()}
-    robot = modyn.load(ROOT / "robots" / file, base="floating", contacts=contacts, friction="none")
+    robot = modyn.load(ROOT / "robots" / file, base="floating", contacts=contacts, joint_friction="none")
     return model, robot, world.data.qpos.copy()
 
 

@@ -80,7 +80,7 @@ pub fn integrate(
             if error <= 1.0 {
                 t += h;
                 y = last;
-                geometry.normalize(&mut y[..nq]).expect("lengths");
+                geometry.normalize_configuration(&mut y[..nq]).expect("lengths");
             }
             step = h * (0.9 * error.max(1e-10).powf(-0.2)).clamp(0.2, 5.0);
             assert!(step > 1e-12, "the step vanishes at {t} s");

@@ -3,7 +3,9 @@
 
 use clap::error::{ContextKind, ContextValue};
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, Error, FromArgMatches};
-use modyn_codegen::options::{OPTIONS, OptionRow, OptionValue, Stage, Value, ValueKind};
+use modyn_codegen::options::{
+    OPTIONS, OptionRow, OptionValue, Stage, Value, ValueKind, renamed_option,
+};
 use modyn_codegen::{Builder, Function, ModuleChoice, ReadOptions};
 
 /// The options that were given, with their values.
@@ -121,13 +123,18 @@ impl CodeOptions {
     }
 }
 
-/// Adds to the error of an option of generated code that another command was given: it belongs to
-/// `generate`.
+/// Adds the remedy to the error of an option that the command does not have: the option's present
+/// name, or that it belongs to `generate`.
 pub fn explain(mut error: Error) -> Error {
     if let Some(ContextValue::String(given)) = error.get(ContextKind::InvalidArg) {
         let name = given.trim_start_matches('-').replace('-', "_");
-        if rows(Stage::Code).any(|row| row.name == name) {
-            let tip = format!("'{given}' is an option of 'modyn generate'").into();
+        let tip = match renamed_option(&name) {
+            Some(now) => Some(format!("'{given}' is named '--{}' now", now.replace('_', "-"))),
+            None => rows(Stage::Code)
+                .any(|row| row.name == name)
+                .then(|| format!("'{given}' is an option of 'modyn generate'")),
+        };
+        if let Some(tip) = tip.map(Into::into) {
             error.remove(ContextKind::SuggestedArg);
             error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![tip]));
         }
@@ -192,12 +199,19 @@ mod tests {
         for wrong in [["--scalar", "f16"], ["--gravity", "1,2"], ["--functions", "fly"]] {
             assert!(matches(&wrong).is_err(), "{wrong:?}");
         }
-        let matched =
-            matches(&["--gravity", "-1,0,0", "--payload", "a, b", "--payload", "c", "--share"]);
+        let matched = matches(&[
+            "--gravity",
+            "-1,0,0",
+            "--payload",
+            "a, b",
+            "--payload",
+            "c",
+            "--share-limbs",
+        ]);
         let matches = matched.expect("good");
         let reading = ReadingOptions::from_arg_matches(&matches).expect("good");
         assert_eq!(reading.read_options().gravity, Some([-1.0, 0.0, 0.0]));
         let code = CodeOptions::from_arg_matches(&matches).expect("good");
-        assert!(code.has("share") && code.has("payload") && !code.has("scalar"));
+        assert!(code.has("share_limbs") && code.has("payload") && !code.has("scalar"));
     }
 }

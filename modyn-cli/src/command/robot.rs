@@ -29,7 +29,7 @@ pub fn needs_dynamics(model: &Model, command: &str) -> Result<(), Failure> {
     Err(Failure::usage(format!(
         "error: `{command}` needs dynamics, and joint `{joint}` moves no inertia: write the \
          `<inertial>` of its link, or give \
-         it a rotor, `--rotors '\"{joint}\": (1, 1)'`"
+         it an armature, `--armature '\"{joint}\": 1'`"
     )))
 }
 

@@ -44,7 +44,9 @@ impl Sparsity {
         let mut matrix = vec![0.0; n * n];
         let mut random = Random::new(0);
         for _ in 0..STATES {
-            interpreter.random(|| random.uniform(), &mut q).map_err(|error| wrong(&error))?;
+            interpreter
+                .random_configuration(|| random.uniform(), &mut q)
+                .map_err(|error| wrong(&error))?;
             interpreter.mass_matrix(&q, &mut matrix).map_err(|error| wrong(&error))?;
             let factors = interpreter.brge(&q).map_err(|error| wrong(&error))?;
             mark(&mut sparsity.mass_matrix, &matrix);

@@ -11,7 +11,7 @@ use super::source::Source;
 use super::syntax::{is_c_prefix, is_path, is_visibility};
 use crate::emit::Target;
 use crate::names;
-use crate::options::{Bundle, ModuleChoice, shared_names, user};
+use crate::options::{FusedFunction, ModuleChoice, shared_names, user};
 use crate::plan::{Choices, Function, MAX_LINKS, MAX_OPERATIONS, Plan, TooLong};
 use crate::program::Execution;
 
@@ -103,24 +103,27 @@ impl Builder {
         let of_reading = [
             ("base", read.base != Base::default()),
             ("mimic", read.mimic != Mimic::default()),
+            ("armature", !read.armature.is_empty()),
             ("rotors", !read.rotors.is_empty()),
-            ("friction", read.friction.is_some()),
+            ("joint_friction", read.joint_friction.is_some()),
         ];
         let given = of_reading.iter().filter(|(_, given)| *given);
         for (option, _) in given.filter(|_| matches!(self.source, Source::Model(_))) {
             error(
                 Code::Option,
                 format!("`{option}` is an option for descriptions, but the robot is a `Model`"),
-                "set it in the model: joints have their type and rotor, `Model::with_friction` sets the friction"
+                "set it in the model: joints have their type and armature, \
+                 `Model::with_joint_friction` sets the friction"
                     .into(),
             );
         }
         errors.extend(read.gravity.and_then(gravity_error));
-        let bundles = &self.options.code.bundles;
+        let fused = &self.options.code.fused;
         let functions = &self.options.user_functions;
-        errors.extend(bundles.iter().flat_map(Bundle::errors));
+        errors.extend(fused.iter().flat_map(FusedFunction::errors));
         errors.extend(functions.iter().flat_map(user::errors));
-        let names = bundles.iter().map(Bundle::names).chain(functions.iter().map(user::names_of));
+        let names =
+            fused.iter().map(FusedFunction::names).chain(functions.iter().map(user::names_of));
         errors.extend(shared_names(&names.collect::<Vec<_>>()));
         errors
     }
@@ -194,12 +197,12 @@ pub(super) fn left_out(target: Target, selected: &[Function]) -> Vec<Diagnostic>
 }
 
 /// Returns the selected functions that a robot has whose joints `singular` move no inertia, and an
-/// error if a function that needs inertia was selected by its name or is in a bundle.
+/// error if a function that needs inertia was selected by its name or is in a fused function.
 pub(super) fn without_inertia(
     model: &Model,
     singular: &[usize],
     selected: &[Function],
-    bundled: &[Function],
+    fused: &[Function],
 ) -> (Vec<Function>, Option<Diagnostic>) {
     let needs = |function: &&Function| function.row().needs_inertia;
     // `default` and `all` are requests for the functions that there are.
@@ -208,7 +211,7 @@ pub(super) fn without_inertia(
     let has_default = has(Function::DEFAULT);
     let is_of_a_group =
         |function: &&Function| has_all || has_default && Function::DEFAULT.contains(function);
-    let by_name = selected.iter().filter(|function| !is_of_a_group(function)).chain(bundled);
+    let by_name = selected.iter().filter(|function| !is_of_a_group(function)).chain(fused);
     let named: Vec<&str> = by_name.filter(needs).map(|function| function.name()).collect();
     let error = named.first().map(|_| {
         let verb = if named.len() == 1 { "needs" } else { "need" };
@@ -232,7 +235,7 @@ pub(super) fn needs_inertia(
     );
     let help = "select kinematic functions, such as `link_pose` and `jacobian`; or write the \
                 `<inertial>` of the links, or \
-                give each joint a rotor by the option `rotors`";
+                give each joint an armature by the option `armature`";
     Diagnostic::error(Code::KinematicsOnly, message).with_help(help)
 }
 

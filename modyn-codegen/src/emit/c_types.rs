@@ -60,12 +60,12 @@ impl<'a> CType<'a> {
 }
 
 impl Fields<'_> {
-    /// Returns the name of the type. The results of bundles and of users' functions have names of
-    /// their own, since a user may name them as any other record.
+    /// Returns the name of the type. The results of fused functions and of users' functions have
+    /// names of their own, since a user may name them as any other record.
     pub(super) fn type_name(self) -> String {
         match self.record {
             Record::Spatial(name) => name.into(),
-            Record::Bundle(name) => format!("{name}Results"),
+            Record::Fused(name) => format!("{name}Results"),
             record => record.result_type().unwrap_or("Numbers").into(),
         }
     }

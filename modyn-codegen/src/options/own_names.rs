@@ -1,5 +1,5 @@
-//! Names that users give to functions of generated code: to bundles, and to functions that they
-//! wrote.
+//! Names that users give to functions of generated code: to fused functions, and to functions that
+//! they wrote.
 
 use modyn_read::diagnostics::{Code, Diagnostic};
 
@@ -23,9 +23,9 @@ const RESERVED: &[&str] = &[
 const FORMS: &[&str] =
     &["batch", "each", "lanes", "of", "on", "placed", "scalar", "vectorized", "with"];
 
-/// The names of a bundle or of a user's function.
+/// The names of a fused function or of a user's function.
 pub(crate) struct OwnNames {
-    /// The bundle or function in words.
+    /// The fused function or function in words.
     pub owner: String,
     /// The names, its own first.
     pub names: Vec<String>,

@@ -2,11 +2,12 @@
 
 use modyn_read::diagnostics::Severity;
 use modyn_read::{
-    Base, Contact, ControlLaw, Ground, JointActuator, Loop, LoopEnd, Mimic, Package, Rotor,
-    XacroArg,
+    Armature, Base, Contact, ControlLaw, Ground, JointActuator, Loop, LoopEnd, Mimic, Package,
+    Rotor, XacroArg,
 };
-use modyn_runtime::model::{ContactKind, Friction, LoopConstraintKind};
+use modyn_runtime::model::{ContactKind, JointFriction, LoopConstraintKind};
 
+use super::renamed::renamed_word;
 use super::value::{OptionError, Value, ValueKind};
 use crate::FloatType;
 use crate::plan::{CodeForm, Function, unknown_function};
@@ -98,7 +99,16 @@ fn choice<T: Clone>(value: &Value, choices: &[(&str, T)]) -> Result<T, OptionErr
     };
     choice.map(|(_, value)| value.clone()).ok_or_else(|| {
         let names: Vec<String> = choices.iter().map(|(name, _)| format!("`{name}`")).collect();
-        OptionError::new(value.at, format!("expected {}", names.join(" or ")))
+        let expected = format!("expected {}", names.join(" or "));
+        let now = match &value.kind {
+            ValueKind::Word(word) => renamed_word(word).map(|now| (word, now)),
+            _ => None,
+        };
+        let message = match now.filter(|(_, now)| choices.iter().any(|(name, _)| name == now)) {
+            Some((word, now)) => format!("{expected}; `{word}` is named `{now}` now"),
+            None => expected,
+        };
+        OptionError::new(value.at, message)
     })
 }
 
@@ -129,8 +139,8 @@ macro_rules! choices {
 }
 
 choices! {
-    Base: "described" Described, "fixed" Fixed, "floating" Floating;
-    CodeForm: "auto" Auto, "fast" Fast, "small" Small;
+    Base: "auto" Auto, "fixed" Fixed, "floating" Floating;
+    CodeForm: "auto" Auto, "unrolled" Unrolled, "looped" Looped;
     FloatType: "f64" F64, "f32" F32;
     Mimic: "follow" Follow, "independent" Independent, "refuse" Refuse;
     Severity: "error" Error, "warn" Warning;
@@ -242,7 +252,7 @@ impl OptionValue for Vec<Function> {
 }
 
 /// `none`, `viscous`, `coulomb` or `smooth(0.01)`
-impl OptionValue for Friction {
+impl OptionValue for JointFriction {
     fn read(value: &Value) -> Result<Self, OptionError> {
         let help = "expected a velocity, rad/s or m/s: `smooth(0.01)`";
         match &value.kind {
@@ -266,7 +276,7 @@ impl OptionValue for Friction {
     }
 
     fn rust(&self) -> String {
-        format!("Friction::{self:?}")
+        format!("JointFriction::{self:?}")
     }
 }
 
@@ -316,6 +326,22 @@ impl OptionValue for Ground {
         let plane = format!("Ground::plane({:?}, {:?})", self.point, self.normal);
         self.friction
             .map_or(plane.clone(), |friction| format!("{plane}.with_friction({friction:?})"))
+    }
+}
+
+/// `"joint": inertia`
+impl OptionValue for Armature {
+    fn read(value: &Value) -> Result<Self, OptionError> {
+        let expected = "expected `\"joint\": inertia`";
+        let (joint, inertia) = pair(value, expected)?;
+        match inertia.kind {
+            ValueKind::Number(number) => Ok(Self::new(joint, number)),
+            _ => Err(OptionError::form(inertia.at, expected)),
+        }
+    }
+
+    fn rust(&self) -> String {
+        format!("Armature::new({:?}, {:?})", self.joint, self.inertia)
     }
 }
 

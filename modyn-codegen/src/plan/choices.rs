@@ -3,8 +3,8 @@
 use modyn_runtime::model::Model;
 
 use super::Function;
-use super::bundle::Bundle;
 use super::code_form::{CodeChoices, CodeForm};
+use super::fused::FusedFunction;
 use super::user::TracedFunction;
 use crate::trace::Parameters;
 
@@ -13,12 +13,12 @@ use crate::trace::Parameters;
 pub struct Choices {
     /// The selected functions.
     pub functions: Vec<Function>,
-    /// The bundles of functions.
-    pub bundles: Vec<Bundle>,
+    /// The fused functions.
+    pub fused: Vec<FusedFunction>,
     /// The user's functions.
     pub user_functions: Vec<TracedFunction>,
     /// Whether equal limbs share one routine.
-    pub share: bool,
+    pub share_limbs: bool,
     /// The form of the code of recursions.
     pub code: CodeForm,
     /// Whether the programs are for machine code.
@@ -39,21 +39,25 @@ impl Choices {
         for function in &mut self.functions {
             *function = function.batched().unwrap_or(*function);
         }
-        for bundle in &mut self.bundles {
-            bundle.batch = false;
+        for fused in &mut self.fused {
+            fused.batch = false;
         }
         for function in &mut self.user_functions {
             function.batch = false;
         }
-        self.share = false;
-        self.code = CodeForm::Fast;
+        self.share_limbs = false;
+        self.code = CodeForm::Unrolled;
         self.machine_code = true;
         self
     }
 
     /// Returns the choices about the code of all functions.
     pub(super) fn code(&self) -> CodeChoices {
-        CodeChoices { share: self.share, form: self.code, machine_code: self.machine_code }
+        CodeChoices {
+            share_limbs: self.share_limbs,
+            form: self.code,
+            machine_code: self.machine_code,
+        }
     }
 
     /// Returns the run-time parameters of a model.

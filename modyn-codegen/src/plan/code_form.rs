@@ -9,16 +9,16 @@ pub enum CodeForm {
     #[default]
     Auto,
     /// Straight-line code: the fewest operations.
-    Fast,
+    Unrolled,
     /// Loops over the bodies with tables of constants: the shortest code.
-    Small,
+    Looped,
 }
 
 /// The choices of a user about the code of all functions.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CodeChoices {
     /// Whether equal limbs share one routine.
-    pub share: bool,
+    pub share_limbs: bool,
     /// The form of the code of recursions.
     pub form: CodeForm,
     /// Whether the programs are for machine code.

@@ -39,10 +39,10 @@ impl SymbolicRobot {
 
     /// Returns the candidates for packing limbs. Limbs with run-time inertias are never equal; with
     /// gravity compensation, limbs are not packed.
-    fn limbs(&self, execution: Execution, share: bool) -> Vec<LimbPacking> {
-        let joins = execution == Execution::Simd && !share;
+    fn limbs(&self, execution: Execution, share_limbs: bool) -> Vec<LimbPacking> {
+        let joins = execution == Execution::Simd && !share_limbs;
         let has_candidates = self.is_described() && !self.mechanism.compensates_gravity();
-        match (joins || share) && has_candidates {
+        match (joins || share_limbs) && has_candidates {
             true => LimbPacking::candidates(&self.mechanism, &LIMB_LIMITS, joins),
             false => Vec::new(),
         }
@@ -73,7 +73,7 @@ pub struct PlanContext<'a> {
     /// The way that programs run.
     pub(super) execution: Execution,
     /// Whether equal limbs share one routine, with a table of constants for each limb.
-    pub(super) share: bool,
+    pub(super) share_limbs: bool,
     /// The form of the code of recursions.
     pub(super) code: CodeForm,
     /// Whether the programs are for machine code.
@@ -96,12 +96,12 @@ impl<'a> PlanContext<'a> {
         execution: Execution,
         choices: CodeChoices,
     ) -> Self {
-        let CodeChoices { share, form: code, machine_code } = choices;
+        let CodeChoices { share_limbs, form: code, machine_code } = choices;
         // Threads run straight-line code, one limb after another.
         let has_threads = execution == Execution::Threads;
-        let share = share && !has_threads;
-        let code = if has_threads { CodeForm::Fast } else { code };
-        let limbs = robot.limbs(execution, share);
+        let share_limbs = share_limbs && !has_threads;
+        let code = if has_threads { CodeForm::Unrolled } else { code };
+        let limbs = robot.limbs(execution, share_limbs);
         let SymbolicRobot { mechanism, frames, parameters } = robot;
         let all_links = Tracer::with_parameters(mechanism, parameters.clone());
         // Few functions need links, of which there may be very many. But a link's inertia may be an
@@ -130,7 +130,7 @@ impl<'a> PlanContext<'a> {
             layout,
             for_derivatives: UduLayout::new(mechanism, &partition::whole_chains(model)),
             execution,
-            share,
+            share_limbs,
             code,
             machine_code,
             independent: limbs.first().is_some_and(|limbs| limbs.independent(mechanism)),
@@ -146,7 +146,7 @@ impl<'a> PlanContext<'a> {
 
     /// Returns whether limbs and columns of one state can be packed into vectors.
     pub(super) fn has_vectors(&self) -> bool {
-        self.execution == Execution::Simd && !self.share
+        self.execution == Execution::Simd && !self.share_limbs
     }
 
     /// Returns whether programs run in threads of a graphics processor.

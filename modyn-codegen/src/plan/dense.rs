@@ -62,7 +62,7 @@ pub(super) fn by_products(
     }
     let kernels = kernels(function, context, scalars, trace)?;
     let Kernels::Straight { scalar, simd } = &kernels else { return None };
-    let is_taken = if context.code == CodeForm::Small {
+    let is_taken = if context.code == CodeForm::Looped {
         let looped = [Some(scalar), simd.as_ref()].into_iter().flatten();
         let length: usize = looped.map(|program| program.static_operations().total()).sum();
         let graphs = [Some(straight.0), straight.1].into_iter().flatten();
@@ -80,9 +80,9 @@ pub(super) fn by_products(
 /// gains nothing from rows in lanes, and loops take more operations.
 fn may_have_products(function: Function, context: &PlanContext<'_>) -> bool {
     match context.code {
-        CodeForm::Fast => false,
+        CodeForm::Unrolled => false,
         CodeForm::Auto => function.batched().is_none(),
-        CodeForm::Small => true,
+        CodeForm::Looped => true,
     }
 }
 
@@ -94,7 +94,8 @@ fn kernels(
     scalars: usize,
     trace: TraceDense,
 ) -> Option<Kernels> {
-    let is_straight = context.share || context.code == CodeForm::Fast && !context.machine_code;
+    let is_straight =
+        context.share_limbs || context.code == CodeForm::Unrolled && !context.machine_code;
     if is_straight || is_exceeded() {
         return None;
     }
@@ -124,7 +125,7 @@ fn kernels(
         .products
         .as_ref()
         .is_some_and(|products| products.multiplications(Execution::Scalar) < MIN_PRODUCTS);
-    if is_short && context.code != CodeForm::Small {
+    if is_short && context.code != CodeForm::Looped {
         return None;
     }
     let packed = packing::packed_by(function, context, &dense.graph, &|tracer| {

@@ -89,8 +89,8 @@ pub struct Lowering {
     /// The graphs with products of matrices apart, and with independent constraint rows.
     pub products: Option<TraceDense>,
     /// Other graphs of a function of one link, which share more with the graphs of other functions
-    /// of a bundle.
-    pub in_bundles: Option<fn(&Tracer<'_>) -> Graph>,
+    /// of a fused function.
+    pub in_fused: Option<fn(&Tracer<'_>) -> Graph>,
     /// The forms that C can call.
     pub c_form: CForm,
 }
@@ -103,7 +103,7 @@ impl Lowering {
         recursion: None,
         rows: None,
         products: None,
-        in_bundles: None,
+        in_fused: None,
         c_form: CForm::SourceAndExport,
     };
 
@@ -132,9 +132,9 @@ impl Lowering {
         Self { products: Some(trace), ..self }
     }
 
-    /// Returns the lowering of a function with this graph as another one in bundles.
-    const fn in_bundles(self, trace: fn(&Tracer<'_>) -> Graph) -> Self {
-        Self { in_bundles: Some(trace), ..self }
+    /// Returns the lowering of a function with this graph as another one in fused functions.
+    const fn in_fused(self, trace: fn(&Tracer<'_>) -> Graph) -> Self {
+        Self { in_fused: Some(trace), ..self }
     }
 
     /// Returns the lowering of a function that C can call as C99 source alone.
@@ -239,14 +239,14 @@ impl Lowering {
                 Lowering { source: GraphSource::Step, ..Lowering::EVALUATED }
             }
             Function::LinkPoses => Lowering { source: GraphSource::Poses, ..Lowering::EVALUATED },
-            Function::LinkPose => Lowering::EVALUATED.in_bundles(|t| t.link_pose_from_world(0)),
+            Function::LinkPose => Lowering::EVALUATED.in_fused(|t| t.link_pose_from_world(0)),
             Function::LinkAcceleration => {
-                Lowering::EVALUATED.in_bundles(|t| t.link_acceleration_from_world(0))
+                Lowering::EVALUATED.in_fused(|t| t.link_acceleration_from_world(0))
             }
             Function::JacobianDotQd => {
-                Lowering::EVALUATED.in_bundles(|t| t.jacobian_dot_qd_from_world(0))
+                Lowering::EVALUATED.in_fused(|t| t.jacobian_dot_qd_from_world(0))
             }
-            Function::Random => Lowering::EVALUATED.not_exported(),
+            Function::RandomConfiguration => Lowering::EVALUATED.not_exported(),
             _ => match function.batched() {
                 Some(one) => Self { packing: Packing::Never, c_form: CForm::None, ..Self::of(one) },
                 None => Self::EVALUATED,

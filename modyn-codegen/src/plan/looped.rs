@@ -31,8 +31,8 @@ pub(super) fn recursion(
 ) -> Option<Program> {
     let recursion = Lowering::of(function).recursion?();
     let is_wanted = match context.code {
-        CodeForm::Fast => false,
-        CodeForm::Small => true,
+        CodeForm::Unrolled => false,
+        CodeForm::Looped => true,
         CodeForm::Auto => packed.is_none() && straight.takes_more_than(MAX_STRAIGHT),
     };
     if !is_wanted {
@@ -50,5 +50,5 @@ pub(super) fn recursion(
     };
     let program = Program::over_bodies(&graphs, sizes, balance);
     let has_long_loops = graphs.bodies.len() >= MIN_BODIES_IN_LOOP * program.tables.len();
-    (context.code == CodeForm::Small || has_long_loops).then_some(program)
+    (context.code == CodeForm::Looped || has_long_loops).then_some(program)
 }

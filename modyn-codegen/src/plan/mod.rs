@@ -8,7 +8,6 @@
 //! packing of limbs and columns, and the balancing of sums (`packing`). A back end receives a
 //! [`Plan`] and prints it.
 
-mod bundle;
 mod casadi;
 mod choices;
 mod code_form;
@@ -19,6 +18,7 @@ mod entries;
 mod factorization;
 mod frames;
 mod functions;
+mod fused;
 mod least;
 mod limit;
 mod looped;
@@ -37,7 +37,6 @@ pub use modyn_runtime::quantities::{
     Argument, ArgumentKind, BatchForm, Elements, Function, Record, Row, Shape, Sizes,
 };
 
-pub use bundle::{Bundle, Member, MemberFunction};
 pub use casadi::{CasadiFunction, CasadiMatrix, CasadiPlan};
 pub use choices::Choices;
 pub use code_form::CodeForm;
@@ -48,6 +47,7 @@ pub use factorization::FactorFunction;
 pub use frames::{Frames, LinkProgram};
 pub(crate) use functions::signatures;
 pub use functions::{CForm, GraphSource, Lowering, Packing, unknown_function};
+pub use fused::{FusedFunction, Member, MemberFunction};
 pub use limit::{MAX_LINKS, MAX_OPERATIONS, TooLong};
 pub use packing::COLUMN_LANES;
 pub use planned::{CARRIED, Kernels, PLANNED, Planned};
@@ -67,8 +67,8 @@ use programs::ScalarGraphs;
 pub struct Plan {
     /// The choices of the user.
     pub choices: Choices,
-    /// The functions of one state, in the order of [`Function::ALL`]; then the bundles and the
-    /// user's functions.
+    /// The functions of one state, in the order of [`Function::ALL`]; then the fused functions and
+    /// the user's functions.
     pub functions: Vec<Planned>,
     /// The functions of many states, in this order.
     pub batches: Vec<Planned>,
@@ -124,8 +124,8 @@ impl Plan {
     ) -> Result<Self, TooLong> {
         let straight = Choices {
             functions: Vec::new(),
-            share: false,
-            code: CodeForm::Fast,
+            share_limbs: false,
+            code: CodeForm::Unrolled,
             ..choices.clone()
         };
         let casadi = |context: &PlanContext<'_>, budget: &mut Budget| {
@@ -148,7 +148,7 @@ impl Plan {
     ) -> Result<Self, TooLong> {
         let none = Choices {
             functions: Vec::new(),
-            bundles: Vec::new(),
+            fused: Vec::new(),
             user_functions: Vec::new(),
             ..choices.clone()
         };
@@ -198,12 +198,12 @@ impl Plan {
         let length = |(one, of_many): &(Planned, Option<Planned>)| {
             one.length() + of_many.as_ref().map_or(0, Planned::length)
         };
-        for bundle in &choices.bundles {
-            let of_table = bundle.members.iter().filter_map(|member| member.function.of_table());
+        for fused in &choices.fused {
+            let of_table = fused.members.iter().filter_map(|member| member.function.of_table());
             let members = of_table.filter(|function| !function.row().by_link);
             let least = members.map(|function| context.least_operations(function)).sum();
-            let plan = || Planned::bundle(bundle, &context, batches && bundle.batch);
-            let (one, of_many) = budget.spend(bundle.name, least, plan, length)?;
+            let plan = || Planned::fused(fused, &context, batches && fused.batch);
+            let (one, of_many) = budget.spend(fused.name, least, plan, length)?;
             functions.push(one);
             many.extend(of_many);
         }
@@ -215,9 +215,9 @@ impl Plan {
                 many.extend(of_many);
             }
         }
-        let members = choices.bundles.iter().flat_map(|bundle| &bundle.members);
-        let bundled = members.filter_map(|member| member.function.of_table());
-        let mut all = selected.iter().copied().chain(bundled);
+        let members = choices.fused.iter().flat_map(|fused| &fused.members);
+        let fused = members.filter_map(|member| member.function.of_table());
+        let mut all = selected.iter().copied().chain(fused);
         let factorizes = all.any(|f| matches!(f, Function::Brge | Function::BrgeBatch));
         let factorization = match factorizes {
             true => {
@@ -256,14 +256,14 @@ impl Plan {
         Ok((plan, further))
     }
 
-    /// Returns the operations of one call of each function and bundle, by name.
+    /// Returns the operations of one call of each function, by name.
     #[must_use]
     pub fn operations_per_call(&self) -> Vec<(&'static str, OperationCount)> {
         let planned = self.functions.iter().chain(&self.batches);
         planned.map(|planned| (planned.name, planned.operations_per_call())).collect()
     }
 
-    /// Returns the operations of one call on vectors of each function and bundle that has a program
+    /// Returns the operations of one call on vectors of each function that has a program
     /// on vectors, by name.
     #[must_use]
     pub fn operations_in_lanes(&self) -> Vec<(&'static str, OperationCount)> {
@@ -276,7 +276,7 @@ impl Plan {
         self.functions.iter().filter_map(in_lanes).collect()
     }
 
-    /// Returns the functions and bundles whose packed programs are invalid, by name: each has its
+    /// Returns the functions whose packed programs are invalid, by name: each has its
     /// program on scalars alone. There are none unless modyn has a fault.
     pub fn faults(&self) -> impl Iterator<Item = (&'static str, &InvalidProgram)> {
         self.functions.iter().filter_map(|planned| Some((planned.name, planned.fault.as_ref()?)))
@@ -303,7 +303,7 @@ impl Plan {
             }
             let limit = looped::MAX_STRAIGHT;
             let why = match self.choices.code {
-                CodeForm::Small => "the option `code` is `small`".to_string(),
+                CodeForm::Looped => "the option `code` is `looped`".to_string(),
                 _ => format!("straight-line code would have more than {limit} operations"),
             };
             Some((planned.name, format!("loops over the bodies, since {why}")))
@@ -311,7 +311,7 @@ impl Plan {
         self.functions.iter().filter_map(loops_of).collect()
     }
 
-    /// Returns the operations of all programs of each function and bundle of one state, by name.
+    /// Returns the operations of all programs of each function of one state, by name.
     #[must_use]
     pub fn static_operations(&self) -> Vec<(&'static str, OperationCount)> {
         self.functions.iter().map(|planned| (planned.name, planned.static_operations())).collect()

@@ -4,9 +4,9 @@
 use modyn_runtime::equations::dynamics::Elimination;
 use modyn_runtime::quantities::Function;
 
-use super::bundle::{Bundle, Graphs};
 use super::context::PlanContext;
 use super::functions::{Lowering, Packing};
+use super::fused::{FusedFunction, Graphs};
 use crate::graph::{Graph, is_exceeded};
 use crate::passes::{balance, optimize};
 use crate::trace::{LimbPacking, Tracer};
@@ -81,10 +81,10 @@ pub(super) fn packed_by<'a>(
     profitable(by_limbs.chain(columns), function.row().hot, context, scalar)
 }
 
-/// Returns the packed graph of a bundle, as [`packed`] does: of each member its packed graph, if it
-/// has one, else its graph on scalars.
-pub(super) fn packed_bundle(
-    bundle: &Bundle,
+/// Returns the packed graph of a fused function, as [`packed`] does: of each member its packed
+/// graph, if it has one, else its graph on scalars.
+pub(super) fn packed_fused(
+    fused: &FusedFunction,
     graphs: &Graphs<'_>,
     context: &PlanContext<'_>,
     scalar: &Graph,
@@ -108,7 +108,7 @@ pub(super) fn packed_bundle(
         })
     };
     let columns = has_columns.then(traced).flatten();
-    profitable(by_limbs.chain(columns), bundle.any(|function| function.row().hot), context, scalar)
+    profitable(by_limbs.chain(columns), fused.any(|function| function.row().hot), context, scalar)
 }
 
 fn operations(graph: &Graph) -> usize {

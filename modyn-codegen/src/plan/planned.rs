@@ -15,9 +15,9 @@ pub const PLANNED: [(&str, &str); 2] = [("ctrl", "controls"), ("tau", "joint for
 /// in this order.
 pub const CARRIED: [&str; 2] = ["act", "warm_start"];
 
-/// A function or a bundle of functions, planned for a robot.
+/// A function or a fused function, planned for a robot.
 pub struct Planned {
-    /// The function; `None` for a bundle and a user's function.
+    /// The function; `None` for a fused function and a user's function.
     pub function: Option<Function>,
     /// The name.
     pub name: &'static str,

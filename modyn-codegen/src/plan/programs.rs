@@ -8,11 +8,11 @@ use modyn_runtime::equations::soft_constraints::SoftModel;
 use modyn_runtime::model::ModuleTree;
 use modyn_runtime::quantities::{Argument, Function, Shape, Sizes};
 
-use super::bundle::{Bundle, Graphs, Member};
 use super::context::PlanContext;
 use super::dense;
 use super::frames::Frames;
 use super::functions::{CForm, GraphSource, Lowering};
+use super::fused::{FusedFunction, Graphs, Member};
 use super::looped;
 use super::packing::{self, COLUMN_LANES};
 use super::planned::{Kernels, Planned};
@@ -117,30 +117,30 @@ impl Planned {
         }
     }
 
-    /// Returns a bundle, and its form for many states if `batch`.
-    pub(super) fn bundle(
-        bundle: &Bundle,
+    /// Returns a fused function, and its form for many states if `batch`.
+    pub(super) fn fused(
+        fused: &FusedFunction,
         context: &PlanContext<'_>,
         batch: bool,
     ) -> (Self, Option<Self>) {
         let sizes = &context.sizes;
-        let arguments = shapes_of(&bundle.arguments(), sizes);
-        let parameters = context.parameters(bundle.depends_on_parameters());
+        let arguments = shapes_of(&fused.arguments(), sizes);
+        let parameters = context.parameters(fused.depends_on_parameters());
         let scalars = count(&arguments, parameters);
-        let graphs = Graphs::new(bundle, context, parameters);
+        let graphs = Graphs::new(fused, context, parameters);
         let graph = packing::balanced(optimize(graphs.scalar()));
-        let packed = packing::packed_bundle(bundle, &graphs, context, &graph);
+        let packed = packing::packed_fused(fused, &graphs, context, &graph);
         let (kernels, fault) = context.kernels(&graph, packed, scalars);
         let one = Self {
             function: None,
-            name: bundle.name,
+            name: fused.name,
             batch_of: None,
-            docs: bundle.docs(),
-            fields: bundle.members.iter().map(Member::field_docs).collect(),
-            c_form: bundle.c_form(),
+            docs: fused.docs(),
+            fields: fused.members.iter().map(Member::field_docs).collect(),
+            c_form: fused.c_form(),
             arguments,
             parameters,
-            result: bundle.result(sizes),
+            result: fused.result(sizes),
             kernels,
             fault,
         };
@@ -317,7 +317,7 @@ impl PlanContext<'_> {
         packed: Option<Graph>,
         scalars: usize,
     ) -> (Kernels, Option<InvalidProgram>) {
-        Kernels::lowered(graph, packed, scalars, self.execution, self.share)
+        Kernels::lowered(graph, packed, scalars, self.execution, self.share_limbs)
     }
 }
 
@@ -333,7 +333,7 @@ pub(super) enum StepForm {
 
 impl Kernels {
     /// Returns the programs of a graph without packs and, if packing is profitable, of the same
-    /// function packed: as routines for equal limbs if they `share` one, else on vectors. If the
+    /// function packed: as routines for equal limbs if `share_limbs`, else on vectors. If the
     /// packed program is invalid, returns the program without packs alone, and the violation.
     #[must_use]
     pub fn lowered(
@@ -341,15 +341,15 @@ impl Kernels {
         packed: Option<Graph>,
         scalars: usize,
         execution: Execution,
-        share: bool,
+        share_limbs: bool,
     ) -> (Self, Option<InvalidProgram>) {
-        let packed = packed.map(|packed| match share {
+        let packed = packed.map(|packed| match share_limbs {
             true => Program::repeated(&packed, scalars),
             false => Program::try_new(&packed, scalars, Execution::Simd),
         });
         let scalar = || Program::new(graph, scalars, without_packs(execution));
         match packed {
-            Some(Ok(program)) if share => (Self::of(program), None),
+            Some(Ok(program)) if share_limbs => (Self::of(program), None),
             Some(Ok(simd)) => (Self::Straight { scalar: scalar(), simd: Some(simd) }, None),
             invalid => (Self::of(scalar()), invalid.and_then(Result::err)),
         }

@@ -140,8 +140,8 @@ pub struct TracedForm {
     /// The graph, before all passes.
     pub graph: Graph,
     /// Another graph of the same results, which shares more with the functions of the table in a
-    /// bundle; `None` if it is too long.
-    pub in_bundles: Option<Graph>,
+    /// fused function; `None` if it is too long.
+    pub in_fused: Option<Graph>,
 }
 
 /// A user's function of one robot.
@@ -273,7 +273,7 @@ impl NamedFunction {
         traced: &TangentGraphs<'_>,
     ) -> Result<TracedForm, UserPlanError> {
         let graph = form.graph(graphs).ok_or(UserPlanError::TooLong(form))?;
-        let in_bundles = form.graph(traced);
+        let in_fused = form.graph(traced);
         let name = intern(&format!("{}{}", self.name, form.suffix()));
         let count = graphs.value.outputs.len();
         let Results { fields, docs, sum } = self.results(form, count, &graphs.displacements());
@@ -288,7 +288,7 @@ impl NamedFunction {
         let (result, docs) = match form {
             UserForm::Value => (value_shape(count), printable(&self.docs)),
             _ => {
-                let record = Record::Bundle(intern(&names::type_name(name)));
+                let record = Record::Fused(intern(&names::type_name(name)));
                 let shapes = fields.iter().map(|(name, shape, _)| (*name, shape.clone()));
                 (Shape::Record(record, shapes.collect()), self.derivative_docs(&docs, &sum))
             }
@@ -297,7 +297,7 @@ impl NamedFunction {
             UserForm::Value => Vec::new(),
             _ => fields.into_iter().map(|(.., docs)| docs).collect(),
         };
-        Ok(TracedForm { name, docs: intern(&docs), fields, arguments, result, graph, in_bundles })
+        Ok(TracedForm { name, docs: intern(&docs), fields, arguments, result, graph, in_fused })
     }
 
     /// Returns the documentation of a form with derivatives.

@@ -8,7 +8,7 @@
 //! interpreter runs as well; C prints a function of it. Machine code has two forms of such a
 //! function: the form for independent rows has a guard that finds states with dependent rows and
 //! calls the form for rows of any rank (`modyn-jit/src/assembly.rs`). Plans of other languages, and
-//! those with `code = fast`, trace rows of any rank.
+//! those with `code = unrolled`, trace rows of any rank.
 
 use modyn_runtime::Scalar;
 use modyn_runtime::equations::constraints::RowSystem;

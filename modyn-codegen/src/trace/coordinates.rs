@@ -42,9 +42,9 @@ impl Tracer<'_> {
 
     /// Returns the graph of coordinates with quaternions of length 1. Inputs: `q`.
     #[must_use]
-    pub fn normalize(&self) -> Graph {
+    pub fn normalize_configuration(&self) -> Graph {
         self.trace(|model, [mut q]| {
-            coordinates::normalize(model, &mut q);
+            coordinates::normalize_configuration(model, &mut q);
             q
         })
     }

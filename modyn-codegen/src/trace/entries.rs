@@ -98,12 +98,12 @@ impl Tracer<'_> {
         coordinates: &[usize],
         inputs: usize,
     ) -> Graph {
-        let normalize = self.normalize();
+        let normalize_configuration = self.normalize_configuration();
         let mut all = Composition::new();
         let mut given = all.inputs(inputs);
         for &first in coordinates {
             let q = first..first + self.model.nq;
-            let unit = all.add(&normalize, &[&given[q.clone()]]);
+            let unit = all.add(&normalize_configuration, &[&given[q.clone()]]);
             given[q].copy_from_slice(&unit);
         }
         let outputs = all.add(graph, &[&given]);
@@ -227,7 +227,7 @@ impl Tracer<'_> {
         let mut all = Composition::new();
         let x = all.inputs(inputs.all);
         let (q, rest) = x.split_at(inputs.q.end);
-        let unit = all.add(&self.normalize(), &[q]);
+        let unit = all.add(&self.normalize_configuration(), &[q]);
         let derivative_graph = optimize(self.inverse_dynamics_derivatives());
         let derivatives = all.add(&derivative_graph, &[&unit, rest]);
         let (dq, dqd) = derivatives.split_at(nv * nv);
@@ -308,7 +308,7 @@ impl Tracer<'_> {
         let mut all = Composition::new();
         let x = all.inputs(inputs.all);
         let (q, rest) = x.split_at(inputs.q.end);
-        let unit = all.add(&self.normalize(), &[q]);
+        let unit = all.add(&self.normalize_configuration(), &[q]);
         let graph = optimize(self.forward_dynamics_derivatives(layout));
         let derivatives = all.add(&graph, &[&unit, rest]);
         let (qdd, matrices) = derivatives.split_at(nv);

@@ -133,9 +133,9 @@ fn the_instructions_of_loops_do_not_grow_with_the_robot() {
         let sizes = lines.filter_map(|line| line.split_whitespace().nth(1)?.parse::<usize>().ok());
         sizes.sum()
     };
-    let [short, long] = [14, 112].map(|joints| bytes(joints, CodeForm::Small));
+    let [short, long] = [14, 112].map(|joints| bytes(joints, CodeForm::Looped));
     assert!(short.abs_diff(long) < 64 && long < MAX_LOOP, "{short} {long}");
-    assert!(bytes(14, CodeForm::Fast) > 5 * short);
+    assert!(bytes(14, CodeForm::Unrolled) > 5 * short);
 }
 
 /// The largest number of bytes of forward dynamics of a chain in loops, with its own sine and cosine, by gcc.

@@ -6,7 +6,7 @@ use std::process::Command;
 
 use modyn_codegen::diagnostics::Diagnostics;
 use modyn_codegen::plan::{Argument, ArgumentKind, Record, Shape};
-use modyn_codegen::{Builder, Bundle, Emitted, Function, Target};
+use modyn_codegen::{Builder, Emitted, Function, FusedFunction, Target};
 
 use crate::conformance::c::{STRICT, execute, main_of, write};
 use crate::conformance::{Arithmetic, BackEnd, Call, Case, Subject, USED, command, folder, robot};
@@ -145,16 +145,17 @@ impl BackEnd for Cpp {
     }
 }
 
-/// Robots have the names of members, records and words of the template; bundles have names of records, members and keywords.
+/// Robots have the names of members, records and words of the template; fused functions have names of records, members
+/// and keywords.
 pub fn compiles_under_names_of_members() {
     let functions = [Function::LinkPoses, Function::StepRk4, Function::GeneralizedForces];
-    let bundles = ["pose", "matrix", "class", "q"].map(|name| {
-        let members = Bundle::new(name).function(Function::ForwardDynamics);
+    let fused = ["pose", "matrix", "class", "q"].map(|name| {
+        let members = FusedFunction::new(name).function(Function::ForwardDynamics);
         members.function(Function::MassMatrix)
     });
-    let bundled = robot("double_pendulum").functions(functions).bundles(bundles);
+    let fused = robot("double_pendulum").functions(functions).fused(fused);
     for name in ["Link", "Pose", "Matrix", "Eigen", "Step", "Real", "Class", "Members"] {
-        let emitted = bundled.clone().type_name(name).emit(Target::Cpp).expect(name);
+        let emitted = fused.clone().type_name(name).emit(Target::Cpp).expect(name);
         let folder = folder(&format!("cpp_named_{name}"));
         write(&emitted, &folder);
         let stem = emitted.files[0].name.trim_end_matches(".hpp").to_owned();

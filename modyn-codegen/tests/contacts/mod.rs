@@ -202,7 +202,7 @@ struct State {
 fn state(model: &Model, random: &mut Random) -> State {
     let interpreter = Interpreter::<f64>::new(model.clone());
     let mut q = vec![0.0; model.nq()];
-    interpreter.random(|| (random.next() + 1.0) / 2.0, &mut q).expect("fits");
+    interpreter.random_configuration(|| (random.next() + 1.0) / 2.0, &mut q).expect("fits");
     let nv = model.nv();
     State { q, qd: random.vector(nv, 2.0), tau: random.vector(nv, 5.0) }
 }

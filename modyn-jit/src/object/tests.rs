@@ -8,7 +8,7 @@
 use std::collections::BTreeMap;
 
 use iced_x86::{Code, Decoder, DecoderOptions, FlowControl};
-use modyn_codegen::{Bundle, Function};
+use modyn_codegen::{Function, FusedFunction};
 use modyn_runtime::{Scalar, trig_steps};
 use modyn_tests::conformance::numbers::Number;
 use modyn_tests::conformance::robot;
@@ -309,8 +309,8 @@ fn unwind_codes_describe_the_code() {
     let functions = [Function::ForwardDynamics, Function::LinkPoses, Function::Jacobian];
     // A function with few arrays of arguments, and one with seven.
     let members = [Function::ForwardDynamicsJvp, Function::StepRk4];
-    let bundle = members.into_iter().fold(Bundle::new("displaced"), Bundle::function);
-    let builder = robot("arm6").functions(functions).bundles([bundle]);
+    let fused = members.into_iter().fold(FusedFunction::new("displaced"), FusedFunction::function);
+    let builder = robot("arm6").functions(functions).fused([fused]);
     let planning = builder.plan().expect("good");
     for instruction_set in sets_of_x86_64() {
         let planned =

@@ -83,7 +83,7 @@ fn robots() {
         Function::ForwardDynamics,
         Function::ForwardDynamicsDerivatives,
         Function::Difference,
-        Function::Random,
+        Function::RandomConfiguration,
     ];
     for name in ["arm6", "joint_zoo", "quadruped", "gripper"] {
         let planning = plan(name, &functions);

@@ -29,7 +29,7 @@ impl BackEnd for Python {
         arithmetic(instruction_set())
     }
 
-    /// The factors of the mass matrix have methods there, and bundles are options.
+    /// The factors of the mass matrix have methods there, and fused functions are options.
     fn has(&self, planned: &Planned) -> bool {
         planned.function.is_some_and(|function| function != Function::Brge)
     }

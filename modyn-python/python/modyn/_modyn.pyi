@@ -33,17 +33,21 @@ class Options(TypedDict, total=False):
     """The acceleration of free fall in world axes, m/s^2; an MJCF or a model has its own. By default [0.0, 0.0,
     -9.81], or the MJCF's or the model's own. For example: `[0, 0, -1.62]`."""
     base: str | None
-    """Whether the root link is fixed to the world or floats. With `described`, a URDF's root link is fixed, and an
+    """Whether the root link is fixed to the world or floats. With `auto`, a URDF's root link is fixed, and an
     SDF's floats unless a joint connects it to the world. In every format, `fixed` fixes what floats in the
     world by itself, where the file places it, and `floating` is an error if the robot floats already. By
-    default described. For example: `"floating"`."""
+    default auto. For example: `"floating"`."""
     mimic: str | None
     """How joints that mimic another one are read: they follow it and have no coordinate of their own, have one, or
     are refused. Joints with a coordinate of their own are free; `<equality>` of an MJCF couples them in the
     function `step`, softly as in MuJoCo. By default follow. For example: `"independent"`."""
+    armature: Mapping[str, Any] | str | None
+    """Armatures of joints: the inertia of the drive after the gear (kg m^2, or kg for a prismatic joint), in place
+    of the description's. It acts in all dynamics. By default the description's. For example: `{"elbow": 1}`."""
     rotors: Mapping[str, Any] | str | None
-    """Rotors of joints: the inertia (kg m^2) and the gear ratio of each. They replace the joint's rotor of the
-    description. By default the description's. For example: `{"elbow": [0.0001, 100]}`."""
+    """Armatures of joints by their rotors: the inertia of each before the gear (kg m^2) and the gear ratio. The
+    armature is the inertia times the square of the ratio. By default the description's. For example: `{"elbow":
+    [0.0001, 100]}`."""
     loops: Mapping[str, Any] | str | None
     """Joints that close loops, besides the `<loop_joint>`s of the description: of type `spherical`, `fixed`,
     `revolute`, `continuous` or `prismatic`, the last three with an `axis` at the end. Roll, pitch and yaw, `[r,
@@ -67,13 +71,13 @@ class Options(TypedDict, total=False):
     by default the velocity limit. `delay` is the number of steps before a control acts. The option replaces the
     actuators of an MJCF. By default the description's. For example: `{"elb*": ("position", 20, 0.5, {"effort":
     23.5, "saturation": 30, "velocity": 25, "delay": 2})}`."""
-    friction: str | tuple[str, float] | None
+    joint_friction: str | tuple[str, float] | None
     """The damping and friction of the description that act on the joints. By default none, with a warning if there
     are some. For example: `("smooth", 0.01)`."""
     unphysical_inertia: str | None
     """How inertias that no rigid body has are reported. A negative mass is always an error. By default error. For
     example: `"warn"`."""
-    unread_forces: str | None
+    unsupported_forces: str | None
     """How forces of fluids, such as air, and of tendons in an MJCF are reported, which are not read. With a
     warning the robot is without them; springs and dampers of fixed tendons then act in the function `step`
     only. By default error. For example: `"warn"`."""
@@ -85,12 +89,12 @@ class Options(TypedDict, total=False):
     xacro_args: Mapping[str, Any] | str | None
     """The values of arguments of a xacro, `<xacro:arg>`, in place of their defaults. By default the defaults of
     the xacro. For example: `{"prefix": "left_"}`."""
-    bundles: Mapping[str, Any] | str | None
-    """Bundles of functions: one call computes all functions of a bundle, and does their common work once. A bundle
-    is a function of this name over the arguments of all its functions; its result is a type with a field for
-    each of them (`jacobian_hand`). Functions of one link are named with the link. In generated code, `name:
-    batch(..)` makes the form for many states as well. By default none. For example: `{"control":
-    ["mass_matrix", "bias_forces", ("jacobian", "hand")]}`."""
+    fused: Mapping[str, Any] | str | None
+    """Fused functions: each computes several functions in one call, with their common work done once. It has the
+    arguments of all its functions; its result is a type with a field for each of them (`jacobian_hand`).
+    Functions of one link are named with the link. In generated code, `name: batch(..)` makes the form for many
+    states as well. By default none. For example: `{"control": ["mass_matrix", "bias_forces", ("jacobian",
+    "hand")]}`."""
     modules: str | Sequence[Sequence[str]] | None
     """The kinematic modules: maximal serial chains, links, or lists of link names, each from its parent outwards.
     By default chains. For example: `[["upper_arm", "forearm"], ["hand"]]`."""
@@ -113,7 +117,7 @@ def load(path: str | os.PathLike[str], /, **options: Unpack[Options]) -> Robot:
     """Reads the robot of a file: URDF, xacro, SDF or MJCF.
 
     The keyword arguments are modyn's options about a robot: `gravity`, `base`, `mimic`, `rotors`, `loops`, `contacts`,
-    `ground`, `friction`, `unphysical_inertia`, `unread_forces`, `packages`, `xacro_args`, `bundles`, `modules`, `scalar`, `runtime_gravity`, `runtime_inertia` and `payload`;
+    `ground`, `joint_friction`, `unphysical_inertia`, `unsupported_forces`, `packages`, `xacro_args`, `fused`, `modules`, `scalar`, `runtime_gravity`, `runtime_inertia` and `payload`;
     with `machine_code=False`, functions are evaluated instead of compiled.
 
     `OSError` if the file cannot be read, `DescriptionError` with file, line and column if the description is wrong.
@@ -318,8 +322,8 @@ class Robot:
         """Returns the settings of `step` by the description, to be changed: `StepSettings`, with the surface of each of
         `touching_shape_names`."""
     @property
-    def bundle_names(self) -> list[str]:
-        """The names of the bundles, each of which is a method."""
+    def fused_names(self) -> list[str]:
+        """The names of the fused functions, each of which is a method."""
     @property
     def gravity(self) -> Array:
         """The acceleration of free fall at present, in world axes, (3,), m/s^2: that of the description, or of `set_gravity`."""
@@ -373,13 +377,13 @@ class Robot:
     def gpu(self) -> GpuRobot:
         """Returns the robot's kernels on the machine's graphics processor, in single precision; on a software processor
         where there is no other. `RuntimeError` if there is none, or the package was built without the feature `gpu`."""
-    def bundle(self, name: str, *arguments: ArrayLike, out: Any = None, **named: ArrayLike) -> Any:
-        """Calls a bundle by its name, with the arguments of all its functions by position or name."""
+    def fused(self, name: str, *arguments: ArrayLike, out: Any = None, **named: ArrayLike) -> Any:
+        """Calls a fused function by its name, with the arguments of all its functions by position or name."""
     def brge(self, q: ArrayLike) -> Factorization:
         """Returns the factorization U D U^T of the mass matrix at `q`, (nq,), by kinematic modules, by block reverse
         Gaussian elimination. The option `modules` selects the modules. The factors are in `float64` for every robot."""
     def __getattr__(self, name: str) -> Any:
-        """Returns a bundle as a callable."""
+        """Returns a fused function as a callable."""
     def _repr_html_(self) -> str | None: ...
     def _array_signature(
         self, name: str, link: str | int | None = None
@@ -559,7 +563,7 @@ class Robot:
     def kinetic_energy(
         self, q: ArrayLike, qd: ArrayLike, *, out: Array | None = None
     ) -> float | Array:
-        """Returns the kinetic energy of the moving links and the rotors, J.
+        """Returns the kinetic energy of the moving links and the armatures, J.
 
         Arguments: `q`: (nq,); `qd`: (nv,).
         Result: a number. Several states have one more axis, the first.
@@ -1081,8 +1085,8 @@ class Robot:
     def regressor(
         self, q: ArrayLike, qd: ArrayLike, qdd: ArrayLike, *, out: Array | None = None
     ) -> Array:
-        """Returns the regressor Y of inverse dynamics: tau = Y pi, without rotors and friction. pi has
-        ten entries for each moving link: mass, mass times centre of mass x, y, z, and Ixx, Ixy,
+        """Returns the regressor Y of inverse dynamics: tau = Y pi, without armatures and friction. pi
+        has ten entries for each moving link: mass, mass times centre of mass x, y, z, and Ixx, Ixy,
         Ixz, Iyy, Iyz, Izz about the link's origin in the link's own axes (`parameters`).
 
         Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,).
@@ -1109,7 +1113,7 @@ class Robot:
         self, q: ArrayLike, *, out: Array | None = None
     ) -> Array:
         """Returns the centroidal momentum matrix. Its product with `qd` is the momentum about the
-        centre of mass, in world axes. Rotors have energy, but no momentum: their axes are not
+        centre of mass, in world axes. Armatures have energy, but no momentum: their axes are not
         described.
 
         Arguments: `q`: (nq,).
@@ -1130,8 +1134,8 @@ class Robot:
     def centroidal_momentum(
         self, q: ArrayLike, qd: ArrayLike, *, out: Array | None = None
     ) -> Array:
-        """Returns the momentum of the moving links about their centre of mass, in world axes. Rotors
-        have energy, but no momentum: their axes are not described.
+        """Returns the momentum of the moving links about their centre of mass, in world axes.
+        Armatures have energy, but no momentum: their axes are not described.
 
         Arguments: `q`: (nq,); `qd`: (nv,).
         Result: (6,), angular before linear components. Several states have one more axis, the
@@ -1335,7 +1339,7 @@ class Robot:
         Arguments: `q`: (nq,); `qd`: (nv,).
         Result: (nq,). Several states have one more axis, the first.
         """
-    def normalize(
+    def normalize_configuration(
         self, q: ArrayLike, *, out: Array | None = None
     ) -> Array:
         """Returns the coordinates with quaternions scaled to length 1.
@@ -1343,7 +1347,7 @@ class Robot:
         Arguments: `q`: (nq,).
         Result: (nq,). Several states have one more axis, the first.
         """
-    def random(
+    def random_configuration(
         self, uniforms: ArrayLike, *, out: Array | None = None
     ) -> Array:
         """Returns coordinates within the joint limits, from random numbers uniformly distributed in

@@ -268,6 +268,6 @@ class RolloutGradients(NamedTuple):
 
 
 @cache
-def bundle(name: str, fields: tuple[str, ...]) -> type[tuple[Any, ...]]:
-    """Returns the type of a bundle's results: a named tuple with a field for each of its functions."""
+def fused(name: str, fields: tuple[str, ...]) -> type[tuple[Any, ...]]:
+    """Returns the type of a fused function's results: a named tuple with a field for each of its functions."""
     return namedtuple(name, fields)

@@ -148,7 +148,7 @@ impl<S: Number> StateFunction<S> {
     pub fn kernel(&self) -> Result<Kernel<'_, S>, String> {
         let runner = match &self.code {
             Code::Machine(compiled, name) => {
-                Runner::Machine(compiled.bundle(name).map_err(|error| error.to_string())?)
+                Runner::Machine(compiled.fused(name).map_err(|error| error.to_string())?)
             }
             Code::Evaluated(planned) => {
                 let straight = planned.kernels.straight();

@@ -84,8 +84,8 @@ fn template<'py>(
             let class = py.import("modyn._results")?.getattr(*name)?;
             class.call1(PyTuple::new(py, fields)?)
         }
-        // Only bundles have types of a robot's own.
-        Layout::Tuple(Class::Bundle(_), _) => Ok(py.None().into_bound(py)),
+        // Only fused functions have types of a robot's own.
+        Layout::Tuple(Class::Fused(_), _) => Ok(py.None().into_bound(py)),
     }
 }
 

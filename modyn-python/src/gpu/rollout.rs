@@ -39,8 +39,7 @@ impl GpuRollout {
     ) -> PyResult<Self> {
         let cpu_robot = robot.get();
         let base = cpu_robot.builder().clone().scalar(FloatType::F32);
-        let builder =
-            base.functions(functions.iter().copied()).bundles(cpu_robot.bundles().cloned());
+        let builder = base.functions(functions.iter().copied()).fused(cpu_robot.fused().cloned());
         let planning = builder.plan().map_err(|errors| description_error(py, &errors))?;
         let created = py.detach(|| Rollout::new(gpu, &builder, options));
         let rollout = created.map_err(|error| exception(py, error))?;

@@ -15,7 +15,7 @@ pub fn apply(
     base: Base,
     report: &mut Report<'_>,
 ) -> Base {
-    if base == Base::Described {
+    if base == Base::Auto {
         return base;
     }
     let mut floats = base == Base::Floating;
@@ -44,5 +44,5 @@ pub fn apply(
             }
         }
     }
-    if floats { Base::Floating } else { Base::Described }
+    if floats { Base::Floating } else { Base::Auto }
 }

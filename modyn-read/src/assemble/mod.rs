@@ -1,14 +1,15 @@
 //! From a description to a model: the tree, merging of fixed joints, mimic joints, loops, contacts,
-//! rotors.
+//! armatures.
 //!
 //! ```text
-//! Description ─ rotors, actuators, loops and contacts of the options ─ mimics ─▶ leaders ─┐
+//! Description ─ armatures, actuators, loops and contacts of the options ─ mimics ─▶ leaders ─┐
 //!              └ tree ─▶ order ─ bodies ─▶ moving links ─ check ──────────────────────────┴▶ Model
 //! ```
 //!
 //! Each step reports all its errors and continues as far as possible.
 
 mod actuators;
+mod armatures;
 mod base;
 mod bodies;
 mod contacts;
@@ -16,7 +17,6 @@ pub(crate) mod cycles;
 mod keyframes;
 mod loops;
 mod mimics;
-mod rotors;
 mod soft;
 mod tree;
 
@@ -33,7 +33,7 @@ pub fn assemble(
     options: &ReadOptions,
     report: &mut Report<'_>,
 ) -> Option<Model> {
-    rotors::apply(&mut description, &options.rotors, report);
+    armatures::apply(&mut description, options, report);
     actuators::apply(&mut description, options, report);
     let loops: Vec<_> =
         options.loops.iter().map(|option| loops::from_option(option, report)).collect();
@@ -82,7 +82,7 @@ fn model(
     }
     check::inertia::densities(&bodies, &links, report);
     let acts_in_steps = description.soft.as_ref().is_some_and(|soft| soft.joint_friction);
-    check::motion::inactive_friction(&bodies, options.friction, acts_in_steps, report);
+    check::motion::inactive_friction(&bodies, options.joint_friction, acts_in_steps, report);
     let carriers: Vec<_> = place.iter().map(|(carrier, _)| *carrier).collect();
     let loop_constraints = loops::loop_constraints(description, &carriers, report);
     let contacts = contacts::contacts(description, &carriers, report);
@@ -108,7 +108,7 @@ fn model(
     }
     let gravity = options.gravity.or(description.gravity).unwrap_or(DEFAULT_GRAVITY);
     let assembled = Model::new(description.name.as_str(), gravity, links, frames.collect())
-        .and_then(|model| model.with_friction(options.friction.unwrap_or_default()))
+        .and_then(|model| model.with_joint_friction(options.joint_friction.unwrap_or_default()))
         .and_then(|model| model.with_springs(springs.collect()))
         .and_then(|model| model.with_gravity_compensation(compensation))
         .and_then(|model| {

@@ -17,7 +17,7 @@ pub fn constraints(
 ) -> SoftConstraints {
     let mut soft = description.soft.clone().unwrap_or_default();
     soft.ground = options.ground.map(|ground| ground.surface());
-    soft.joint_friction &= options.friction.is_none();
+    soft.joint_friction &= options.joint_friction.is_none();
     soft.shapes.retain(|shape| carriers[shape.end.frame].is_some());
     if options.ground.is_some() && soft.shapes.is_empty() && model.contacts().is_empty() {
         let message = "nothing touches the ground: no link that moves has a shape for contacts";

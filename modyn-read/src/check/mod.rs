@@ -130,6 +130,7 @@ pub fn check_model(model: &Model, unphysical: Severity) -> Result<Vec<Diagnostic
         motion::check(&bodies, model, &mut report);
     }
     let reported = report.finish().into_iter().chain(gravity_error(model.gravity()));
-    let diagnostics = Diagnostics::new(reported.chain(friction_error(model.friction())).collect());
+    let diagnostics =
+        Diagnostics::new(reported.chain(friction_error(model.joint_friction())).collect());
     if diagnostics.has_errors() { Err(diagnostics) } else { Ok(diagnostics.into_vec()) }
 }

@@ -1,10 +1,10 @@
 //! Checks whether joints can move: armatures, damping, ratios of mimic joints, and the inertia that
 //! each joint moves.
 //!
-//! Damping and friction act only with the option `friction`: in many files they are placeholders,
-//! and the dynamics of other libraries leave them out.
+//! Damping and friction act only with the option `joint_friction`: in many files they are
+//! placeholders, and the dynamics of other libraries leave them out.
 
-use modyn_runtime::model::{Friction, Inertial, JointDynamics, Model};
+use modyn_runtime::model::{Inertial, JointDynamics, JointFriction, Model};
 
 use super::{Body, LinkView, inertia, singular};
 use crate::description::MAX_NUMBER;
@@ -31,7 +31,7 @@ pub fn check_dynamics(
 /// contacts have them in any case.
 pub fn inactive_friction(
     bodies: &[Body],
-    chosen: Option<Friction>,
+    chosen: Option<JointFriction>,
     acts_in_steps: bool,
     report: &mut Report<'_>,
 ) {
@@ -51,7 +51,7 @@ pub fn inactive_friction(
         (true, true) => "its damping and friction do not act",
     };
     let message = if acts_in_steps { format!("{what} but in `step`") } else { what.to_owned() };
-    let help = "set the option `friction` to `viscous`, `coulomb` or `smooth` if they are to act, else to `none`";
+    let help = "set the option `joint_friction` to `viscous`, `coulomb` or `smooth` if they are to act, else to `none`";
     report.warn_once(Code::InactiveFriction, &places, &message, help);
 }
 
@@ -82,8 +82,8 @@ pub fn check(bodies: &[Body], model: &Model, report: &mut Report<'_>) {
                  acceleration is undefined",
                 link.name
             );
-            let help = "give the link a mass (and, if it rotates, a rotational inertia), give the joint a rotor by the \
-                        option `rotors`, or make the joint `fixed`";
+            let help = "give the link a mass (and, if it rotates, a rotational inertia), give the joint an armature \
+                        by the option `armature`, or make the joint `fixed`";
             report.error(code, joint.at, Some(&joint.subject()), message, help);
         } else {
             let message = "the base floats, but no inertia opposes its motion while the joints are free, so its \
@@ -115,13 +115,13 @@ fn warn_of_kinematics_only(singular: &[usize], bodies: &[Body], report: &mut Rep
         listed("link", links),
     );
     let joint = singular().find_map(|body| body.joint.as_ref());
-    let rotor = joint.map_or(String::new(), |joint| {
+    let armature = joint.map_or(String::new(), |joint| {
         format!(
-            ", or give each joint a rotor by the option `rotors`: `[\"{}\": (1, 1), ...]`",
+            ", or give each joint an armature by the option `armature`: `[\"{}\": 1, ...]`",
             joint.name
         )
     });
-    let help = format!("for dynamics write the `<inertial>` of {these}{rotor}");
+    let help = format!("for dynamics write the `<inertial>` of {these}{armature}");
     let (at, subject) = match &first.joint {
         Some(joint) => (joint.at, Some(joint.subject())),
         None => (

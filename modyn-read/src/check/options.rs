@@ -1,6 +1,6 @@
 //! Checks the numbers in options.
 
-use modyn_runtime::model::Friction;
+use modyn_runtime::model::JointFriction;
 
 use crate::description::{Ground, MAX_NUMBER};
 use crate::diagnostics::{Code, Diagnostic};
@@ -21,8 +21,8 @@ pub fn gravity_error(gravity: [f64; 3]) -> Option<Diagnostic> {
 }
 
 /// Returns the error of an invalid friction.
-pub fn friction_error(friction: Friction) -> Option<Diagnostic> {
-    let Friction::Smooth(width) = friction else { return None };
+pub fn friction_error(friction: JointFriction) -> Option<Diagnostic> {
+    let JointFriction::Smooth(width) = friction else { return None };
     let message = format!("{width} is not a valid transition velocity of smooth friction");
     let help = "give a finite velocity above 0 in rad/s or m/s, such as 0.01";
     let good = width > 0.0 && width < MAX_NUMBER;

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use modyn_runtime::ContactSurface;
-use modyn_runtime::model::{ContactKind, Friction, LoopConstraintKind};
+use modyn_runtime::model::{ContactKind, JointFriction, LoopConstraintKind};
 
 use super::file_store::FileStore;
 use super::geometry::{contact_plane, normalized};
@@ -23,18 +23,20 @@ pub struct ReadOptions {
     /// The severity of inertias that no rigid body has.
     pub unphysical_inertia: Severity,
     /// The severity of forces that are not read: forces of fluids and tendons in an MJCF.
-    pub unread_forces: Severity,
+    pub unsupported_forces: Severity,
     /// The treatment of mimic joints.
     pub mimic: Mimic,
     /// Whether a root link is fixed or floats.
     pub base: Base,
-    /// The rotors of joints; each replaces the armature in the description.
+    /// The armatures of joints; each replaces the armature in the description.
+    pub armature: Vec<Armature>,
+    /// The rotors of joints; each gives its joint an armature, in place of the description's.
     pub rotors: Vec<Rotor>,
     /// The actuators of joints. If there are some, they replace the actuators of the description.
     pub actuators: Vec<JointActuator>,
-    /// The part of damping and friction that acts. `None` is [`Friction::None`], with a warning if
-    /// the description has damping or friction.
-    pub friction: Option<Friction>,
+    /// The part of damping and friction that acts. `None` is [`JointFriction::None`], with a
+    /// warning if the description has damping or friction.
+    pub joint_friction: Option<JointFriction>,
     /// The joints that close loops, besides the description's.
     pub loops: Vec<Loop>,
     /// The frames of links that can touch the world.
@@ -72,7 +74,7 @@ pub enum Base {
     /// As the format says: the root link of a URDF is fixed; a link of an SDF or an MJCF floats
     /// where the file says so.
     #[default]
-    Described,
+    Auto,
     /// The root link is fixed to the world, and so are links that float in the world by a joint of
     /// the file, where the file places them.
     Fixed,
@@ -80,6 +82,24 @@ pub enum Base {
     /// world. A robot that floats by a joint of the file is refused, and so is an MJCF, which says
     /// itself what floats.
     Floating,
+}
+
+/// The inertia of a joint's drive after the gear.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Armature {
+    /// The joint's name.
+    pub joint: String,
+    /// The inertia of the drive that opposes the joint's acceleration, kg m^2 (or kg for a
+    /// prismatic joint).
+    pub inertia: f64,
+}
+
+impl Armature {
+    /// Returns the armature of this joint.
+    #[must_use]
+    pub fn new(joint: impl Into<String>, inertia: f64) -> Self {
+        Self { joint: joint.into(), inertia }
+    }
 }
 
 /// The rotor of a joint's drive.

@@ -11,8 +11,8 @@ mod shape;
 mod taken_names;
 
 pub use choices::{
-    Base, Contact, ControlLaw, Ground, JointActuator, Loop, LoopEnd, Mimic, Package, ReadOptions,
-    Rotor, XacroArg,
+    Armature, Base, Contact, ControlLaw, Ground, JointActuator, Loop, LoopEnd, Mimic, Package,
+    ReadOptions, Rotor, XacroArg,
 };
 pub use file_store::FileStore;
 pub use geometry::{

@@ -236,13 +236,13 @@ codes! {
         "Write `<contact_frame name=\"...\" type=\"point\" link=\"...\" xyz=\"0 0 0\" rpy=\"0 0 \
          0\"/>` with the type `point` or \
         `surface`, a name of its own, and a link of this file that moves.",
-    /// The damping, friction or rotor of a joint is negative.
+    /// The damping, friction or armature of a joint is negative.
     NegativeJointDynamics = "negative-joint-dynamics":
-        "Write a number of at least 0: damping and friction oppose the motion, and a rotor's inertia is positive.",
-    /// The description has damping or friction, but the option `friction` is not set; they have no
-    /// effect.
+        "Write a number of at least 0: damping and friction oppose the motion, and an armature is an inertia.",
+    /// The description has damping or friction, but the option `joint_friction` is not set; they
+    /// have no effect.
     InactiveFriction = "inactive-friction":
-        "Set the option `friction`: with `viscous`, `coulomb` or `smooth`, damping (and friction) act on \
+        "Set the option `joint_friction`: with `viscous`, `coulomb` or `smooth`, damping (and friction) act on \
         the joints; with `none` they have no effect, and there is no warning.",
     /// The armature of a joint is given twice.
     RepeatedArmature = "repeated-armature":
@@ -274,14 +274,14 @@ codes! {
     /// A joint moves no inertia, although its link has mass, so its acceleration is undefined.
     SingularJoint = "singular-joint":
         "Give the link that the joint moves (or a link that is fixed to it) a mass and an inertia, give the \
-        joint a rotor (`rotors`, or `<dynamics armature>`), or make the joint `fixed`.",
+        joint an armature (`armature`, or `<dynamics armature>`), or make the joint `fixed`.",
     /// Joints move no inertia, since their links have none, so the robot has kinematic functions
     /// alone.
     KinematicsOnly = "kinematics-only":
         "Nothing, if poses, Jacobians and velocities are all that is needed: they do not depend on \
          inertia. For dynamics, \
-        give the links that the message names a mass and an inertia, or give their joints rotors (`rotors`, or \
-        `<dynamics armature>`); a rotor of any inertia makes the mass matrix regular. Without inertia, a function of \
+        give the links that the message names a mass and an inertia, or give their joints armatures (`armature`, or \
+        `<dynamics armature>`); any armature makes the mass matrix regular. Without inertia, a function of \
         dynamics that is selected by name is an error.",
     /// The gravity in the options is NaN, infinite or too large to compute with.
     Gravity = "gravity":

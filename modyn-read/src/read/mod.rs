@@ -21,7 +21,7 @@ pub(crate) mod xml;
 
 use std::path::{Path, PathBuf};
 
-use modyn_runtime::model::{Friction, Model};
+use modyn_runtime::model::{JointFriction, Model};
 
 use crate::assemble::assemble;
 use crate::check::{check_model, friction_error, gravity_error, ground_error};
@@ -177,14 +177,14 @@ impl Format {
         let mut report = Report::new(text, file);
         let mut options = options.clone();
         let gravity = options.gravity.and_then(gravity_error);
-        let friction = options.friction.and_then(friction_error);
+        let friction = options.joint_friction.and_then(friction_error);
         let ground = options.ground.and_then(ground_error);
         // Reading continues without it, to find other errors.
         if gravity.is_some() {
             options.gravity = None;
         }
         if friction.is_some() {
-            options.friction = Some(Friction::None);
+            options.joint_friction = Some(JointFriction::None);
         }
         if ground.is_some() {
             options.ground = None;
@@ -198,7 +198,7 @@ impl Format {
                 }
                 // The readers of SDF and MJCF have connected the base to the world.
                 let is_connected = matches!(self, Self::Sdf | Self::Mjcf);
-                let base = if is_connected { Base::Described } else { options.base };
+                let base = if is_connected { Base::Auto } else { options.base };
                 assemble(description, &ReadOptions { base, ..options.clone() }, &mut report)
             });
         let of_options = gravity.into_iter().chain(friction).chain(ground);

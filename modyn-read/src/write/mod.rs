@@ -16,7 +16,7 @@ mod xml;
 
 use std::collections::BTreeSet;
 
-use modyn_runtime::model::{DEFAULT_GRAVITY, Friction, Inertial, Integrator, Limits, Model};
+use modyn_runtime::model::{DEFAULT_GRAVITY, Inertial, Integrator, JointFriction, Limits, Model};
 
 use crate::description::UNLIMITED;
 use crate::diagnostics::{Code, Diagnostic, Diagnostics, listed};
@@ -116,15 +116,15 @@ fn notes_about_options(model: &Model, format: Format) -> Vec<String> {
     if format == Format::Urdf && model.soft_constraints().integrator != Integrator::Euler {
         notes.push("Left out: the integrator of `step`, which is `Euler` for a URDF.".into());
     }
-    let friction = match model.friction() {
-        Friction::None => return notes,
-        Friction::Viscous => "viscous".into(),
-        Friction::Coulomb => "coulomb".into(),
-        Friction::Smooth(velocity) => format!("smooth({})", number(velocity)),
+    let friction = match model.joint_friction() {
+        JointFriction::None => return notes,
+        JointFriction::Viscous => "viscous".into(),
+        JointFriction::Coulomb => "coulomb".into(),
+        JointFriction::Smooth(velocity) => format!("smooth({})", number(velocity)),
         _ => return notes,
     };
     notes.push(format!(
-        "Damping and friction act if the robot is read with the option `friction = {friction}`."
+        "Damping and friction act if the robot is read with the option `joint_friction = {friction}`."
     ));
     notes
 }

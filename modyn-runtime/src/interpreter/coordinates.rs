@@ -142,9 +142,9 @@ impl<S: Scalar> Interpreter<S> {
     /// # Errors
     ///
     /// If `q` does not have the model's length.
-    pub fn normalize(&self, q: &mut [S]) -> Result<(), ShapeError> {
+    pub fn normalize_configuration(&self, q: &mut [S]) -> Result<(), ShapeError> {
         self.check_coordinates(q)?;
-        coordinates::normalize(&self.mechanism, q);
+        coordinates::normalize_configuration(&self.mechanism, q);
         Ok(())
     }
 
@@ -180,7 +180,11 @@ impl<S: Scalar> Interpreter<S> {
     /// # Errors
     ///
     /// If `q` does not have the model's length.
-    pub fn random(&self, mut uniform: impl FnMut() -> S, q: &mut [S]) -> Result<(), ShapeError> {
+    pub fn random_configuration(
+        &self,
+        mut uniform: impl FnMut() -> S,
+        q: &mut [S],
+    ) -> Result<(), ShapeError> {
         self.check_coordinates(q)?;
         coordinates::random(&self.mechanism, &mut uniform, q);
         Ok(())

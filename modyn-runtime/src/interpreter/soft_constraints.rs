@@ -15,7 +15,7 @@ use crate::equations::soft_constraints::{
 use crate::joint::JointType;
 use crate::mechanism::Mechanism;
 use crate::model::{
-    Friction, Integrator, JointSum, LoopConstraint, LoopSoftness, Model, ModuleTree,
+    Integrator, JointFriction, JointSum, LoopConstraint, LoopSoftness, Model, ModuleTree,
     SoftConstraints, SoftCoupling, SoftTendon, Softness, TendonSpring, TouchingShape,
 };
 use crate::spatial::{Twist, Vector3};
@@ -655,9 +655,9 @@ fn damping_in_steps(model: &Model, mechanism: &Mechanism<f64>) -> Vec<Option<f64
     let damping = |mechanism: &Mechanism<f64>| {
         mechanism.dofs.iter().map(|dof| dof.damping).collect::<Vec<_>>()
     };
-    match model.friction() {
-        Friction::None if model.soft_constraints().joint_friction => {
-            let damped = model.clone().with_friction(Friction::Viscous);
+    match model.joint_friction() {
+        JointFriction::None if model.soft_constraints().joint_friction => {
+            let damped = model.clone().with_joint_friction(JointFriction::Viscous);
             damping(&Mechanism::new(&damped.expect("a kind of friction without parameters")))
         }
         _ => damping(mechanism),
@@ -666,7 +666,7 @@ fn damping_in_steps(model: &Model, mechanism: &Mechanism<f64>) -> Vec<Option<f64
 
 /// Returns whether dry friction acts in steps.
 fn has_friction(model: &Model) -> bool {
-    let acts = matches!(model.friction(), Friction::Coulomb | Friction::Smooth(_));
+    let acts = matches!(model.joint_friction(), JointFriction::Coulomb | JointFriction::Smooth(_));
     acts || model.soft_constraints().joint_friction
 }
 

@@ -61,7 +61,7 @@ use alloc::vec::Vec;
 
 use crate::Scalar;
 use crate::joint::{ElementaryJoint, JointOffset};
-use crate::model::{Friction, Model};
+use crate::model::{JointFriction, Model};
 use crate::spatial::{AxisRotation, DhTransform, RigidInertia, Twist, Vector3};
 use constrained_frames::{constrained, touching};
 use coordinates::{Coordinates, coordinates};
@@ -241,14 +241,14 @@ impl Mechanism<f64> {
             frames,
             constraints,
             bodies,
-            dofs: dofs(&elementary, model.friction()),
+            dofs: dofs(&elementary, model.joint_friction()),
             static_inertia,
             links,
             nq: model.nq(),
             nv: model.nv(),
             coordinates: coordinates(model),
-            smooth: match model.friction() {
-                Friction::Smooth(w) => Some(w),
+            smooth: match model.joint_friction() {
+                JointFriction::Smooth(w) => Some(w),
                 _ => None,
             },
         };
@@ -301,9 +301,9 @@ fn bodies(elementary: &[ElementaryBody<'_>], frames: &Frames) -> Vec<Body<f64>> 
 
 /// Returns the degrees of freedom of all bodies, with the damping and friction that `friction`
 /// selects.
-fn dofs(elementary: &[ElementaryBody<'_>], friction: Friction) -> Vec<Dof<f64>> {
+fn dofs(elementary: &[ElementaryBody<'_>], friction: JointFriction) -> Vec<Dof<f64>> {
     let acting = |x: f64, acts: bool| (acts && x != 0.0).then_some(x);
-    let dry = matches!(friction, Friction::Coulomb | Friction::Smooth(_));
+    let dry = matches!(friction, JointFriction::Coulomb | JointFriction::Smooth(_));
     let dof = |(body, record): (usize, &ElementaryBody<'_>)| {
         let dynamics = record.joint.dynamics;
         let v = record.v;
@@ -314,7 +314,7 @@ fn dofs(elementary: &[ElementaryBody<'_>], friction: Friction) -> Vec<Dof<f64>> 
             v: v + k,
             multiplier,
             armature: acting(dynamics.armature, true),
-            damping: acting(dynamics.damping, friction != Friction::None),
+            damping: acting(dynamics.damping, friction != JointFriction::None),
             friction: acting(dynamics.friction, dry),
         })
     };

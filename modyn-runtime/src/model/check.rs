@@ -3,8 +3,8 @@
 use alloc::{collections::BTreeMap, vec::Vec};
 
 use super::{
-    Activation, ActivationDynamics, Actuation, Actuator, AffineLaw, ContactShape, Friction,
-    Impedance, Inertial, JointSum, Keyframe, Limits, Model, ModelError, ModelErrorKind,
+    Activation, ActivationDynamics, Actuation, Actuator, AffineLaw, ContactShape, Impedance,
+    Inertial, JointFriction, JointSum, Keyframe, Limits, Model, ModelError, ModelErrorKind,
     SoftConstraints, SoftCoupling, SoftTendon, Softness, TendonSpring, TorqueSpeedLine,
     Transmission,
 };
@@ -109,12 +109,14 @@ pub(super) fn check(model: &Model) -> Vec<ModelError> {
 
 /// Returns the defects of the model's own numbers: gravity and friction.
 pub(super) fn check_model(model: &Model) -> Vec<ModelError> {
-    let sound = match model.friction {
-        Friction::Smooth(width) => width > 0.0 && width.is_finite(),
+    let sound = match model.joint_friction {
+        JointFriction::Smooth(width) => width > 0.0 && width.is_finite(),
         _ => true,
     };
-    let kinds =
-        [(finite(&model.gravity), ModelErrorKind::NotFinite), (sound, ModelErrorKind::Friction)];
+    let kinds = [
+        (finite(&model.gravity), ModelErrorKind::NotFinite),
+        (sound, ModelErrorKind::JointFriction),
+    ];
     let bad = kinds.into_iter().filter(|(good, _)| !good);
     bad.map(|(_, kind)| ModelError { name: model.name.clone(), kind }).collect()
 }

@@ -47,7 +47,7 @@ pub enum ModelErrorKind {
     /// There is not one factor of gravity compensation for each frame.
     GravityCompensation,
     /// The transition velocity of smooth friction is not positive.
-    Friction,
+    JointFriction,
     /// A loop constraint refers to a link that does not exist.
     LoopConstraintLink,
     /// A loop constraint connects two links that cannot move relative to each other.
@@ -112,7 +112,7 @@ impl fmt::Display for ModelError {
             ModelErrorKind::GravityCompensation => {
                 "has gravity compensation without one factor for each frame"
             }
-            ModelErrorKind::Friction => {
+            ModelErrorKind::JointFriction => {
                 "has smooth friction whose transition velocity is not positive"
             }
             ModelErrorKind::LoopConstraintLink => "refers to a link that does not exist",

@@ -97,7 +97,7 @@ pub struct Limits {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
-pub enum Friction {
+pub enum JointFriction {
     /// None: damping and friction have no effect.
     #[default]
     None,

@@ -29,7 +29,7 @@ pub use actuator::{
 pub use contact::{Contact, ContactKind};
 pub use error::{ModelError, ModelErrorKind};
 pub use integrator::Integrator;
-pub use joint::{Friction, Joint, JointDynamics, Limits, Mimic};
+pub use joint::{Joint, JointDynamics, JointFriction, Limits, Mimic};
 pub use keyframe::Keyframe;
 pub use link::{Frame, Link, longest_path};
 pub(crate) use loop_constraint::radius_of_gyration;
@@ -72,7 +72,7 @@ pub const DEFAULT_GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
 pub struct Model {
     name: String,
     gravity: [f64; 3],
-    friction: Friction,
+    joint_friction: JointFriction,
     links: Vec<Link>,
     frames: Vec<Frame>,
     springs: Vec<Spring>,
@@ -119,7 +119,7 @@ impl Model {
         links: Vec<Link>,
         frames: Vec<Frame>,
     ) -> Result<Self, Vec<ModelError>> {
-        let friction = Friction::None;
+        let joint_friction = JointFriction::None;
         let loop_constraints = Vec::new();
         let contacts = Vec::new();
         let keyframes = Vec::new();
@@ -128,7 +128,7 @@ impl Model {
         let mut model = Self {
             name,
             gravity,
-            friction,
+            joint_friction,
             links,
             frames,
             springs: Vec::new(),
@@ -205,8 +205,11 @@ impl Model {
     /// # Errors
     ///
     /// If the transition velocity of smooth friction is not positive.
-    pub fn with_friction(mut self, friction: Friction) -> Result<Self, Vec<ModelError>> {
-        self.friction = friction;
+    pub fn with_joint_friction(
+        mut self,
+        joint_friction: JointFriction,
+    ) -> Result<Self, Vec<ModelError>> {
+        self.joint_friction = joint_friction;
         let errors = check::check_model(&self);
         if errors.is_empty() { Ok(self) } else { Err(errors) }
     }
@@ -323,8 +326,8 @@ impl Model {
 
     /// Returns the kind of joint friction.
     #[must_use]
-    pub fn friction(&self) -> Friction {
-        self.friction
+    pub fn joint_friction(&self) -> JointFriction {
+        self.joint_friction
     }
 
     /// Returns the robot's name.
@@ -571,7 +574,7 @@ impl<'de> serde::Deserialize<'de> for Model {
             name: String,
             gravity: [f64; 3],
             #[serde(default)]
-            friction: Friction,
+            joint_friction: JointFriction,
             links: Vec<Link>,
             frames: Vec<Frame>,
             #[serde(default)]
@@ -592,7 +595,7 @@ impl<'de> serde::Deserialize<'de> for Model {
         let Parts {
             name,
             gravity,
-            friction,
+            joint_friction,
             links,
             frames,
             springs,
@@ -604,7 +607,7 @@ impl<'de> serde::Deserialize<'de> for Model {
             keyframes,
         } = Parts::deserialize(deserializer)?;
         let model = Self::new(name, gravity, links, frames)
-            .and_then(|model| model.with_friction(friction))
+            .and_then(|model| model.with_joint_friction(joint_friction))
             .and_then(|model| model.with_springs(springs))
             .and_then(|model| model.with_gravity_compensation(gravity_compensation))
             .and_then(|model| model.with_loop_constraints(loop_constraints))

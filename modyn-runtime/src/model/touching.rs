@@ -48,7 +48,7 @@ pub struct SoftConstraints {
     /// Whether joint limits stop joints.
     pub joint_limits: bool,
     /// Whether damping and dry friction of joints act in steps where the other functions of the
-    /// robot have none ([`Friction::None`](super::Friction::None)).
+    /// robot have none ([`JointFriction::None`](super::JointFriction::None)).
     pub joint_friction: bool,
 }
 

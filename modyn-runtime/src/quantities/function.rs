@@ -30,7 +30,7 @@ pub enum Function {
     /// Returns the factorization U D U^T of the mass matrix at `q` by kinematic modules, by block
     /// reverse Gaussian elimination.
     Brge,
-    /// Returns the kinetic energy of the moving links and the rotors, J.
+    /// Returns the kinetic energy of the moving links and the armatures, J.
     KineticEnergy,
     /// Returns the potential energy of the moving links under gravity and of the springs, J; zero
     /// for mass at the world's origin and springs at rest.
@@ -214,10 +214,10 @@ pub enum Function {
     /// of a contact in world axes. The entries of inactive contacts are zero. The inverse contains
     /// the compliance.
     OperationalSpaceInertia,
-    /// Returns the regressor Y of inverse dynamics, an array of columns: tau = Y pi, without rotors
-    /// and friction. pi has ten entries for each moving link: mass, mass times centre of mass x, y,
-    /// z, and Ixx, Ixy, Ixz, Iyy, Iyz, Izz about the link's origin in the link's own axes
-    /// (`PARAMETERS`).
+    /// Returns the regressor Y of inverse dynamics, an array of columns: tau = Y pi, without
+    /// armatures and friction. pi has ten entries for each moving link: mass, mass times centre of
+    /// mass x, y, z, and Ixx, Ixy, Ixz, Iyy, Iyz, Izz about the link's origin in the link's own
+    /// axes (`PARAMETERS`).
     Regressor,
     /// Returns the centre of mass of the moving links in world axes, m.
     CenterOfMass,
@@ -225,15 +225,15 @@ pub enum Function {
     /// the velocity of the centre of mass in world axes.
     CenterOfMassJacobian,
     /// Returns the centroidal momentum matrix, an array of columns. Its product with `qd` is the
-    /// momentum about the centre of mass, in world axes. Rotors have energy, but no momentum: their
-    /// axes are not described.
+    /// momentum about the centre of mass, in world axes. Armatures have energy, but no momentum:
+    /// their axes are not described.
     CentroidalMomentumMatrix,
     /// Returns the centroidal composite inertia, an array of columns. Its product with a twist is
     /// the momentum about the centre of mass, in world axes, of all moving links as one rigid body
     /// with this twist at the centre of mass.
     CentroidalCompositeInertia,
-    /// Returns the momentum of the moving links about their centre of mass, in world axes. Rotors
-    /// have energy, but no momentum: their axes are not described.
+    /// Returns the momentum of the moving links about their centre of mass, in world axes.
+    /// Armatures have energy, but no momentum: their axes are not described.
     CentroidalMomentum,
     /// Returns the time derivative of the centroidal momentum in world axes: the moment (N m) and
     /// the force (N) about the centre of mass of gravity and of all forces from outside. At `qdd` =
@@ -295,11 +295,11 @@ pub enum Function {
     /// Returns dq/dt, the rates of the coordinates `q` at the velocities `qd`.
     VelocityToQdot,
     /// Returns the coordinates with quaternions scaled to length 1.
-    Normalize,
+    NormalizeConfiguration,
     /// Returns coordinates within the joint limits, from random numbers uniformly distributed in
     /// [0, 1). Angles without limits are in [-pi, pi), displacements without limits in [-1, 1) m,
     /// rotations uniform over SO(3).
-    Random,
+    RandomConfiguration,
     /// `forward_dynamics` of many states at a time.
     ForwardDynamicsBatch,
     /// `inverse_dynamics` of many states at a time.

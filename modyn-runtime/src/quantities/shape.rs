@@ -46,9 +46,9 @@ pub enum Record {
     /// The results of a function with several results, by name. The type is generic over the type
     /// of each field.
     ResultsByField(&'static str),
-    /// The results of a bundle, by the end of the type's name. The type belongs to the robot, and
-    /// is generic over the scalar.
-    Bundle(&'static str),
+    /// The results of a fused function, by the end of the type's name. The type belongs to the
+    /// robot, and is generic over the scalar.
+    Fused(&'static str),
 }
 
 impl Record {
@@ -62,7 +62,7 @@ impl Record {
             Self::OfScalar(name)
             | Self::ResultsByType(name)
             | Self::ResultsByField(name)
-            | Self::Bundle(name) => Some(name),
+            | Self::Fused(name) => Some(name),
         }
     }
 }

@@ -126,7 +126,7 @@ pub const ROWS: &[Row] = &[
         known_as: &["pin.computeKineticEnergy"],
         arguments: &[Q, QD],
         result: shapes::scalar,
-        docs: "Returns the kinetic energy of the moving links and the rotors, J.",
+        docs: "Returns the kinetic energy of the moving links and the armatures, J.",
         default: true,
         casadi: true,
         batch: Some(Function::KineticEnergyBatch),
@@ -675,9 +675,9 @@ pub const ROWS: &[Row] = &[
         arguments: &[Q, QD, QDD],
         result: shapes::regressor,
         docs: "Returns the regressor Y of inverse dynamics, an array of columns: tau = Y pi, \
-            without rotors and friction. pi has ten entries for each moving link: mass, mass times \
-            centre of mass x, y, z, and Ixx, Ixy, Ixz, Iyy, Iyz, Izz about the link's origin in \
-            the link's own axes (`PARAMETERS`).",
+            without armatures and friction. pi has ten entries for each moving link: mass, mass \
+            times centre of mass x, y, z, and Ixx, Ixy, Ixz, Iyy, Iyz, Izz about the link's origin \
+            in the link's own axes (`PARAMETERS`).",
         depends_on_parameters: true,
         ..Row::GEOMETRIC
     },
@@ -713,7 +713,7 @@ pub const ROWS: &[Row] = &[
         result: shapes::momenta,
         result_name: Some("momentum_matrix"),
         docs: "Returns the centroidal momentum matrix, an array of columns. Its product with `qd` \
-            is the momentum about the centre of mass, in world axes. Rotors have energy, but no \
+            is the momentum about the centre of mass, in world axes. Armatures have energy, but no \
             momentum: their axes are not described.",
         casadi: true,
         ..Row::INERTIAL
@@ -738,7 +738,7 @@ pub const ROWS: &[Row] = &[
         result: shapes::momentum,
         result_name: Some("momentum"),
         docs: "Returns the momentum of the moving links about their centre of mass, in world axes. \
-            Rotors have energy, but no momentum: their axes are not described.",
+            Armatures have energy, but no momentum: their axes are not described.",
         casadi: true,
         ..Row::INERTIAL
     },
@@ -979,8 +979,8 @@ pub const ROWS: &[Row] = &[
         ..Row::GEOMETRIC
     },
     Row {
-        function: Function::Normalize,
-        name: "normalize",
+        function: Function::NormalizeConfiguration,
+        name: "normalize_configuration",
         known_as: &["pin.normalize", "mj_normalizeQuat"],
         arguments: &[Q],
         result: shapes::coordinates,
@@ -991,8 +991,8 @@ pub const ROWS: &[Row] = &[
         ..Row::GEOMETRIC
     },
     Row {
-        function: Function::Random,
-        name: "random",
+        function: Function::RandomConfiguration,
+        name: "random_configuration",
         known_as: &["pin.randomConfiguration"],
         arguments: &[UNIFORMS],
         result: shapes::coordinates,

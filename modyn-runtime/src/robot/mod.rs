@@ -333,7 +333,7 @@ pub trait Robot {
         Self::brge_with(&Self::Params::<T>::default(), q)
     }
 
-    /// Returns the kinetic energy of the moving links and the rotors, J.
+    /// Returns the kinetic energy of the moving links and the armatures, J.
     #[doc(alias = "pin.computeKineticEnergy")]
     fn kinetic_energy_with<T: Scalar>(
         params: &Self::Params<T>,
@@ -1932,10 +1932,10 @@ pub trait Robot {
         Self::operational_space_inertia_with(&Self::Params::<T>::default(), q, contacts, settings)
     }
 
-    /// Returns the regressor Y of inverse dynamics, an array of columns: tau = Y pi, without rotors
-    /// and friction. pi has ten entries for each moving link: mass, mass times centre of mass x, y,
-    /// z, and Ixx, Ixy, Ixz, Iyy, Iyz, Izz about the link's origin in the link's own axes
-    /// (`PARAMETERS`).
+    /// Returns the regressor Y of inverse dynamics, an array of columns: tau = Y pi, without
+    /// armatures and friction. pi has ten entries for each moving link: mass, mass times centre of
+    /// mass x, y, z, and Ixx, Ixy, Ixz, Iyy, Iyz, Izz about the link's origin in the link's own
+    /// axes (`PARAMETERS`).
     #[doc(alias = "pin.computeJointTorqueRegressor")]
     fn regressor_with<T: Scalar>(
         params: &Self::Params<T>,
@@ -2004,8 +2004,8 @@ pub trait Robot {
     }
 
     /// Returns the centroidal momentum matrix, an array of columns. Its product with `qd` is the
-    /// momentum about the centre of mass, in world axes. Rotors have energy, but no momentum: their
-    /// axes are not described.
+    /// momentum about the centre of mass, in world axes. Armatures have energy, but no momentum:
+    /// their axes are not described.
     #[doc(alias = "CMM")]
     #[doc(alias = "pin.ccrba")]
     fn centroidal_momentum_matrix_with<T: Scalar>(
@@ -2051,8 +2051,8 @@ pub trait Robot {
         Self::centroidal_composite_inertia_with(&Self::Params::<T>::default(), q)
     }
 
-    /// Returns the momentum of the moving links about their centre of mass, in world axes. Rotors
-    /// have energy, but no momentum: their axes are not described.
+    /// Returns the momentum of the moving links about their centre of mass, in world axes.
+    /// Armatures have energy, but no momentum: their axes are not described.
     #[doc(alias = "pin.computeCentroidalMomentum")]
     fn centroidal_momentum_with<T: Scalar>(
         params: &Self::Params<T>,
@@ -2341,9 +2341,9 @@ pub trait Robot {
     /// Returns the coordinates with quaternions scaled to length 1.
     #[doc(alias = "pin.normalize")]
     #[doc(alias = "mj_normalizeQuat")]
-    fn normalize<T: Scalar>(q: &Self::Q<T>) -> Self::Q<T>
+    fn normalize_configuration<T: Scalar>(q: &Self::Q<T>) -> Self::Q<T>
     where
-        Self: functions::Normalize,
+        Self: functions::NormalizeConfiguration,
     {
         const { not_generated() }
     }
@@ -2352,9 +2352,9 @@ pub trait Robot {
     /// [0, 1). Angles without limits are in [-pi, pi), displacements without limits in [-1, 1) m,
     /// rotations uniform over SO(3).
     #[doc(alias = "pin.randomConfiguration")]
-    fn random<T: Scalar>(uniforms: impl FnMut() -> T) -> Self::Q<T>
+    fn random_configuration<T: Scalar>(uniforms: impl FnMut() -> T) -> Self::Q<T>
     where
-        Self: functions::Random,
+        Self: functions::RandomConfiguration,
     {
         const { not_generated() }
     }

@@ -138,7 +138,7 @@ impl<R: Robot, T: Scalar> State<R, T> {
     #[must_use]
     pub fn runge_kutta_4(&self, dt: T, mut accelerations: impl FnMut(&Self) -> R::V<T>) -> Self
     where
-        R: functions::VelocityToQdot + functions::Normalize,
+        R: functions::VelocityToQdot + functions::NormalizeConfiguration,
     {
         let half = dt * T::from_f64(0.5);
         let mut rates =
@@ -154,7 +154,7 @@ impl<R: Robot, T: Scalar> State<R, T> {
         let sixth = dt * T::from_f64(1.0 / 6.0);
         let q = add_weighted(&self.q, sixth, [&first.0, &second.0, &third.0, &last.0]);
         let qd = add_weighted(&self.qd, sixth, [&first.1, &second.1, &third.1, &last.1]);
-        Self { q: R::normalize(&q), qd }
+        Self { q: R::normalize_configuration(&q), qd }
     }
 
     /// Returns the joint forces that make the robot follow `reference`: inverse dynamics of the

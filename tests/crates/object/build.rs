@@ -1,13 +1,15 @@
 //! Compiles each robot twice: to an object file with a Rust text that calls it, and to Rust.
 use std::path::Path;
 
-use modyn_codegen::{Base, Builder, Bundle, Contact, ContactKind, FloatType, Function, LoopEnd};
+use modyn_codegen::{
+    Base, Builder, Contact, ContactKind, FloatType, Function, FusedFunction, LoopEnd,
+};
 use modyn_jit::object::ObjectBuilder;
 use modyn_jit::{CompileError, InstructionSet};
 
 fn leg() -> Builder {
     let end = LoopEnd { link: "foot".into(), xyz: [0.01, 0.02, -0.03], rpy: [0.1, 0.2, 0.3] };
-    let bundle = Bundle::new("control").function(Function::MassMatrix);
+    let fused = FusedFunction::new("control").function(Function::MassMatrix);
     Builder::new()
         .urdf("robots/leg.urdf")
         .base(Base::Floating)
@@ -24,9 +26,9 @@ fn leg() -> Builder {
             Function::Jacobian,
             Function::Difference,
             Function::StepSemiImplicitDerivatives,
-            Function::Random,
+            Function::RandomConfiguration,
         ])
-        .bundles([bundle.of_link(Function::Jacobian, "foot")])
+        .fused([fused.of_link(Function::Jacobian, "foot")])
         .runtime_gravity()
         .payload(["foot"])
 }

@@ -243,7 +243,11 @@ fn nalgebra_calls_are_the_array_calls() {
 
             let rates = Of::<R>::velocity_to_qdot(&q, &qd);
             same("rates of the coordinates", rates, R::velocity_to_qdot::<f64>(q0, qd0));
-            same("coordinates", Of::<R>::normalize(&q), R::normalize::<f64>(q0));
+            same(
+                "coordinates",
+                Of::<R>::normalize_configuration(&q),
+                R::normalize_configuration::<f64>(q0),
+            );
             let uniform = || {
                 let mut number = seed as f64 / 3.0;
                 move || {
@@ -251,7 +255,11 @@ fn nalgebra_calls_are_the_array_calls() {
                     number
                 }
             };
-            same("random", Of::<R>::random(uniform()), R::random::<f64>(uniform()));
+            same(
+                "random",
+                Of::<R>::random_configuration(uniform()),
+                R::random_configuration::<f64>(uniform()),
+            );
 
             // Both sides are by columns; the mass matrix is symmetric, U is not.
             let m = Of::<R>::mass_matrix(&q);

@@ -4,7 +4,7 @@ use std::iter::zip;
 
 use modyn_fleet::ROBOTS;
 use modyn_runtime::joint::JointType;
-use modyn_runtime::model::{Friction, JointDynamics, Model, ModuleTree};
+use modyn_runtime::model::{JointDynamics, JointFriction, Model, ModuleTree};
 use modyn_runtime::quantities::{Function, Sizes};
 use modyn_tests::close::{assert_close, difference};
 use modyn_tests::compiled::{Compiled, Own};
@@ -89,8 +89,14 @@ fn the_fleet_is_various() {
     };
     assert!(count(&|s| s.model.has_mimics()) >= 3, "mimics");
     assert!(count(&|s| has(s, |dynamics| dynamics.armature > 0.0)) >= 3, "rotors");
-    assert!(count(&|s| s.model.friction() == Friction::Coulomb) >= 1, "Coulomb friction");
-    assert!(count(&|s| matches!(s.model.friction(), Friction::Smooth(_))) >= 2, "friction");
+    assert!(
+        count(&|s| s.model.joint_friction() == JointFriction::Coulomb) >= 1,
+        "Coulomb friction"
+    );
+    assert!(
+        count(&|s| matches!(s.model.joint_friction(), JointFriction::Smooth(_))) >= 2,
+        "friction"
+    );
     assert!(count(&|s| s.robot.spec.floating) >= 1, "floating bases");
     assert!(count(&|s| matches!(s.robot.own, Own::Single(_))) >= 1, "single precision");
 }

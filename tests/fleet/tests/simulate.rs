@@ -114,7 +114,7 @@ fn free_motion_keeps_its_energy() {
         let drift = (energy(&end) - energy(&start)).abs() / energy(&start).abs().max(1.0);
         assert!(drift < 1e-8, "{name}: {drift:e}");
         // The quaternion keeps its length.
-        assert_close(name, R::normalize(&end.q).as_ref(), end.q.as_ref(), 1e-15);
+        assert_close(name, R::normalize_configuration(&end.q).as_ref(), end.q.as_ref(), 1e-15);
     }
     for_robots!(check());
 }

@@ -14,18 +14,18 @@ use std::process::Command;
 use modyn_codegen::diagnostics::Diagnostics;
 use modyn_codegen::plan::{Plan, Planned, Shape};
 use modyn_codegen::{
-    Base, Builder, Bundle, CodeForm, Contact, ContactKind, Emitted, FloatType, Function,
+    Base, Builder, CodeForm, Contact, ContactKind, Emitted, FloatType, Function, FusedFunction,
     Interpreter, LoopEnd, Planning, UserArgument, UserError, UserFunction,
 };
 use modyn_runtime::joint::JointType;
 use modyn_runtime::model::{
-    Activation, ActivationDynamics, Actuation, Actuator, AffineLaw, FixedTendon, Friction,
-    Integrator, JointForceRange, Link, Model, SoftConstraints, Spring, TendonJoint,
+    Activation, ActivationDynamics, Actuation, Actuator, AffineLaw, FixedTendon, Integrator,
+    JointForceRange, JointFriction, Link, Model, SoftConstraints, Spring, TendonJoint,
     TorqueSpeedLine, Transmission,
 };
 use modyn_runtime::{ConstraintSettings, ContactTarget, Scalar};
 
-use crate::random::{Random, normalize, with_tendons};
+use crate::random::{Random, normalize_configuration, with_tendons};
 use numbers::{Reference, evaluate, is_same};
 
 pub use numbers::Arithmetic;
@@ -63,7 +63,7 @@ pub const USED: [Function; 21] = [
     Function::Integrate,
     Function::Difference,
     Function::VelocityToQdot,
-    Function::Normalize,
+    Function::NormalizeConfiguration,
 ];
 
 /// Returns the builder of a robot of the repository.
@@ -114,7 +114,7 @@ pub fn large() -> Case {
 
 /// Returns robots of every other kind: all joint types, closed loops, mimic joints, run-time parameters, equal limbs in
 /// routines, loops over bodies, products of matrices in loops, dependent rows of contacts, many
-/// links on one body, bundles, functions of the user, a solver and its derivatives, tendons, and actuators.
+/// links on one body, fused functions, functions of the user, a solver and its derivatives, tendons, and actuators.
 ///
 /// # Panics
 ///
@@ -131,8 +131,8 @@ pub fn kinds() -> Vec<Case> {
         case("five_bar", robot("five_bar")),
         case("mimic_gripper", robot("mimic_gripper").functions(USED)),
         case("parameters", gripper.runtime_inertia([replaced]).payload([loaded])),
-        case("routines", robot("quadruped").share().functions(USED)),
-        case("loops", sprung().functions(looped).code(CodeForm::Small).runtime_gravity()),
+        case("routines", robot("quadruped").share_limbs().functions(USED)),
+        case("loops", sprung().functions(looped).code(CodeForm::Looped).runtime_gravity()),
         case("products", products()),
         case("columns", columns()),
         case("column", column()),
@@ -156,7 +156,7 @@ fn products() -> Builder {
         Function::ForwardDynamicsHessianBatch,
         Function::StepSemiImplicitDerivatives,
     ];
-    robot("arm6").base(Base::Floating).functions(functions).code(CodeForm::Small)
+    robot("arm6").base(Base::Floating).functions(functions).code(CodeForm::Looped)
 }
 
 /// Returns a robot whose derivatives under constraints are products of one matrix with many columns, in loops.
@@ -167,7 +167,7 @@ fn columns() -> Builder {
     ];
     let hand = contact("hand", ContactKind::Surface, "wrist_3_link", [0.1, 0.0, -0.2]);
     let arm = robot("ur5").base(Base::Floating).contacts([hand]);
-    arm.functions(functions).code(CodeForm::Small)
+    arm.functions(functions).code(CodeForm::Looped)
 }
 
 /// Returns the same of a robot with one joint, whose matrices have one column, and two contacts.
@@ -183,7 +183,7 @@ fn column() -> Builder {
     ];
     let functions = [Function::ConstrainedForwardDynamicsDerivatives];
     let pendulum = Builder::new().urdf_text(text, "pendulum.urdf").contacts(contacts);
-    pendulum.functions(functions).code(CodeForm::Small)
+    pendulum.functions(functions).code(CodeForm::Looped)
 }
 
 /// Returns a robot with two contacts of one link, which have a dependent row if both are active.
@@ -209,7 +209,7 @@ fn solver() -> Builder {
     let pendulum = Builder::new().urdf_text(text, "double_pendulum.urdf").contacts([toe]);
     let functions =
         [Function::Step, Function::StepDerivatives, Function::StepVjp, Function::StepJvp];
-    pendulum.friction(Friction::Coulomb).runtime_gravity().functions(functions)
+    pendulum.joint_friction(JointFriction::Coulomb).runtime_gravity().functions(functions)
 }
 
 /// Returns a gripper with tendons and a coupling, one finger of which is a mimic joint.
@@ -287,17 +287,17 @@ fn sprung() -> Builder {
     Builder::new().model(model.with_springs(springs).expect("good springs"))
 }
 
-/// Returns an arm with a bundle, of which some functions are of one link and one has several results, and a function of the
-/// user with its derivatives.
+/// Returns an arm with a fused function, of which some functions are of one link and one has several results, and a
+/// function of the user with its derivatives.
 fn own_functions() -> Builder {
-    let bundle = Bundle::new("control")
+    let fused = FusedFunction::new("control")
         .function(Function::MassMatrix)
         .function(Function::ForwardDynamicsDerivatives)
         .of_link(Function::Jacobian, "wrist_3_link")
         .function(Function::KineticEnergy)
         .of_link(Function::LinkPose, "forearm_link");
     let builder = robot("ur5").functions([Function::GravityTorques]);
-    builder.bundles([bundle]).function("reach", Reach).runtime_gravity()
+    builder.fused([fused]).function("reach", Reach).runtime_gravity()
 }
 
 /// A cost of reaching a target.
@@ -666,7 +666,9 @@ fn arguments(
             (0..shape.len()).map(|_| random.between(-scale, scale)).collect();
         match argument.name {
             // Quaternions have length one, except where they are scaled to it.
-            "q" | "from" | "to" if planned.name != "normalize" => normalize(model, &mut numbers),
+            "q" | "from" | "to" if planned.name != "normalize_configuration" => {
+                normalize_configuration(model, &mut numbers)
+            }
             // A contact is active or not.
             "contacts" => {
                 numbers.iter_mut().for_each(|x| *x = if *x > 0.0 { 1.0 } else { 0.0 });

@@ -10,7 +10,7 @@ macro_rules! robots {
         modyn::modyn! {
             $Robot = $file,
             functions = [
-                random, forward_dynamics, inverse_dynamics, bias_forces, gravity_torques, mass_matrix,
+                random_configuration, forward_dynamics, inverse_dynamics, bias_forces, gravity_torques, mass_matrix,
                 kinetic_energy, potential_energy, forward_dynamics_batch, inverse_dynamics_batch, bias_forces_batch,
                 gravity_torques_batch, mass_matrix_batch, kinetic_energy_batch, potential_energy_batch
             ]
@@ -21,9 +21,9 @@ macro_rules! robots {
 
 robots! {
     Gripper = "../../../robots/gripper.urdf";
-    Arm = "../../../robots/arm7.urdf", friction = none, runtime_gravity = true, payload = ["link7"];
-    Single = "../../../robots/arm7.urdf", friction = none, scalar = f32;
-    Zoo = "../../../robots/joint_zoo.urdf", friction = none;
+    Arm = "../../../robots/arm7.urdf", joint_friction = none, runtime_gravity = true, payload = ["link7"];
+    Single = "../../../robots/arm7.urdf", joint_friction = none, scalar = f32;
+    Zoo = "../../../robots/joint_zoo.urdf", joint_friction = none;
     FlyingSingle = "../../../robots/quadruped.urdf", base = floating, scalar = f32;
 }
 
@@ -39,8 +39,8 @@ mod long {
 mod moved {
     modyn::modyn! {
         pub Zoo = "../../../robots/joint_zoo.urdf",
-        friction = none,
-        functions = [random, integrate, forward_dynamics, forward_dynamics_batch]
+        joint_friction = none,
+        functions = [random_configuration, integrate, forward_dynamics, forward_dynamics_batch]
     }
 }
 
@@ -51,7 +51,7 @@ mod several {
             modyn::modyn! {
                 pub $Robot = $file,
                 functions = [
-                    mass_matrix, random, brge, brge_batch,
+                    mass_matrix, random_configuration, brge, brge_batch,
                     inverse_dynamics_derivatives, inverse_dynamics_derivatives_batch,
                     forward_dynamics_derivatives, forward_dynamics_derivatives_batch
                 ]
@@ -61,8 +61,8 @@ mod several {
     }
 
     robots! {
-        Arm = "../../../robots/arm7.urdf", friction = none, runtime_gravity = true, payload = ["link7"];
-        Mimic = "../../../robots/mimic_gripper.urdf", friction = none;
+        Arm = "../../../robots/arm7.urdf", joint_friction = none, runtime_gravity = true, payload = ["link7"];
+        Mimic = "../../../robots/mimic_gripper.urdf", joint_friction = none;
         Single = "../../../robots/double_pendulum.urdf", scalar = f32;
     }
 }
@@ -74,7 +74,7 @@ mod second_order {
             modyn::modyn! {
                 pub $Robot = $file,
                 functions = [
-                    random, inverse_dynamics_hessian, inverse_dynamics_hessian_batch,
+                    random_configuration, inverse_dynamics_hessian, inverse_dynamics_hessian_batch,
                     forward_dynamics_hessian, forward_dynamics_hessian_batch
                 ]
                 $(, $key = $choice)*
@@ -83,7 +83,7 @@ mod second_order {
     }
 
     robots! {
-        Mimic = "../../../robots/mimic_gripper.urdf", friction = viscous;
+        Mimic = "../../../robots/mimic_gripper.urdf", joint_friction = viscous;
         Single = "../../../robots/double_pendulum.urdf", scalar = f32;
     }
 }
@@ -131,8 +131,9 @@ macro_rules! robot {
         // The widest vectors have 16 lanes.
         for states in (0..=33).chain([100, 1000]) {
             let mut uniform = numbers();
-            let q: Vec<_> =
-                (0..states).map(|_| Name::random(|| (0.5 + 0.5 * uniform()) as $T)).collect();
+            let q: Vec<_> = (0..states)
+                .map(|_| Name::random_configuration(|| (0.5 + 0.5 * uniform()) as $T))
+                .collect();
             let qd: Vec<[$T; NV]> = vectors(states, 2.0);
             let tau: Vec<[$T; NV]> = vectors(states, 5.0);
             let (qs, qds, taus) = (columns(&q), columns(&qd), columns(&tau));
@@ -234,8 +235,9 @@ macro_rules! several {
         let unwrap = |matrix: [[Plain<$T>; NV]; NV]| flat(&matrix.map(number));
         for states in [0, 1, 7, 16, 17, 33, 100] {
             let mut uniform = numbers();
-            let q: Vec<_> =
-                (0..states).map(|_| Name::random(|| (0.5 + 0.5 * uniform()) as $T)).collect();
+            let q: Vec<_> = (0..states)
+                .map(|_| Name::random_configuration(|| (0.5 + 0.5 * uniform()) as $T))
+                .collect();
             let qd: Vec<[$T; NV]> = vectors(states, 2.0);
             let x: Vec<[$T; NV]> = vectors(states, 5.0);
             let (qs, qds, xs) = (columns(&q), columns(&qd), columns(&x));
@@ -343,7 +345,7 @@ macro_rules! hessians {
         for states in [0, 1, 7, 17, 40] {
             let mut uniform = numbers();
             let q: Vec<_> =
-                (0..states).map(|_| Name::random(|| (0.5 + 0.5 * uniform()) as $T)).collect();
+                (0..states).map(|_| Name::random_configuration(|| (0.5 + 0.5 * uniform()) as $T)).collect();
             let [qd, x, w] = [2.0, 5.0, 3.0].map(|size| -> Vec<[$T; NV]> { vectors(states, size) });
             let (qs, qds, xs, ws) = (columns(&q), columns(&qd), columns(&x), columns(&w));
             let (qs, qds, xs, ws) = (slices(&qs), slices(&qds), slices(&xs), slices(&ws));
@@ -458,7 +460,10 @@ fn rollouts() {
     let starts: Vec<State<Zoo>> = (places.iter().zip(&speeds))
         .map(|(place, &qd)| {
             let mut uniforms = place.iter().map(|x| x + 0.5);
-            State { q: Zoo::random(|| uniforms.next().expect("a number for each entry")), qd }
+            State {
+                q: Zoo::random_configuration(|| uniforms.next().expect("a number for each entry")),
+                qd,
+            }
         })
         .collect();
     // A plan with a feedback.

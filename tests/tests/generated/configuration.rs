@@ -5,20 +5,20 @@ use modyn_codegen::{ReadOptions, read};
 
 modyn::modyn!(
     Zoo = "../../../robots/joint_zoo.urdf",
-    friction = none,
-    functions = [forward_dynamics, normalize]
+    joint_friction = none,
+    functions = [forward_dynamics, normalize_configuration]
 );
 modyn::modyn!(
     Single = "../../../robots/joint_zoo.urdf",
-    friction = none,
+    joint_friction = none,
     scalar = f32,
-    functions = [forward_dynamics, normalize]
+    functions = [forward_dynamics, normalize_configuration]
 );
 
 /// Returns coordinates in general position; the quaternion that begins at `at` has the given length.
 fn coordinates(at: usize, length: f64) -> [f64; Zoo::NQ] {
     let q: [f64; Zoo::NQ] = std::array::from_fn(|i| 0.3 + 0.1 * i as f64);
-    let mut q = Zoo::normalize(&q);
+    let mut q = Zoo::normalize_configuration(&q);
     q[at..at + 4].iter_mut().for_each(|x| *x *= length);
     q
 }
@@ -57,7 +57,7 @@ fn lengths_are_checked_by_joint() {
             let message = interpreted.expect_err("the same").to_string();
             assert_eq!(message, found[0].expect_err("an error").to_string());
             assert!(message.contains(&format!("`{joint}`")), "{message}");
-            assert_eq!(Zoo::check_configuration(&Zoo::normalize(&q)), Ok(()));
+            assert_eq!(Zoo::check_configuration(&Zoo::normalize_configuration(&q)), Ok(()));
         }
         let mut q = coordinates(at, 1.0);
         q[at + 1] = f64::NAN;

@@ -13,7 +13,7 @@ macro_rules! robots {
                 pub Machine = $file,
                 scalar = $scalar,
                 functions = [
-                    random,
+                    random_configuration,
                     constrained_forward_dynamics, constrained_forward_dynamics_batch,
                     impact_dynamics, impact_dynamics_batch,
                     constrained_inverse_dynamics, constrained_inverse_dynamics_batch,
@@ -40,7 +40,7 @@ robots! {
         "elbow": point("tool3", [0.1, 0.2, 0.3], [0, 0, 0]),
         "plate": surface("tool1", [0.2, 0.1, -0.1], [0.5, -0.3, 0.7]),
     ];
-    single: "../../../robots/arm6.urdf", f32, friction = none, contacts = [
+    single: "../../../robots/arm6.urdf", f32, joint_friction = none, contacts = [
         "hand": point("tool", [0.1, -0.2, 0.3], [0.2, 0.1, -0.4]),
     ];
     linkage: "../../../robots/four_bar.urdf", f64, runtime_gravity = true;
@@ -213,7 +213,7 @@ macro_rules! robot {
         for states in [0, 1, 3, 7, 16, 17, 33] {
             let mut uniform = numbers();
             let q: Vec<_> =
-                (0..states).map(|_| Name::random(|| (0.5 + 0.5 * uniform()) as $T)).collect();
+                (0..states).map(|_| Name::random_configuration(|| (0.5 + 0.5 * uniform()) as $T)).collect();
             let [qd, tau, qdd] = [2.0, 5.0, 3.0].map(|size| -> Vec<[$T; NV]> { vectors(states, size) });
             let masks: Vec<[bool; $contacts]> =
                 (0..states).map(|_| std::array::from_fn(|_| uniform() > -0.3)).collect();
@@ -339,15 +339,15 @@ impl<'a, T: 'a, V: Take<'a, T>, W: Take<'a, T>, R: Take<'a, T>, X: Take<'a, T>> 
     }
 }
 
-/// A robot with derivatives and a bundle.
+/// A robot with derivatives and a fused function.
 mod more {
     modyn::modyn! {
         pub Machine = "../../../robots/five_bar.urdf",
         functions = [
-            random, constrained_forward_dynamics,
+            random_configuration, constrained_forward_dynamics,
             constrained_forward_dynamics_derivatives, constrained_forward_dynamics_derivatives_batch
         ],
-        bundles = [held: batch(constrained_forward_dynamics, mass_matrix)],
+        fused = [held: batch(constrained_forward_dynamics, mass_matrix)],
         contacts = [
             "foot": point("left_forearm", [0.3, 0, 0], [0, 0, 0]),
             "elbow": point("right_arm", [0.2, 0.1, 0], [0.3, 0, 0])
@@ -357,7 +357,7 @@ mod more {
 
 use more::{Machine, MachineContacts, MachineHeld};
 
-/// The numbers of a result of the bundle: of accelerations, wrenches, residuals, the rank and the mass matrix.
+/// The numbers of a result of the fused function: of accelerations, wrenches, residuals, the rank and the mass matrix.
 const HELD: usize = 4 + 3 * 6 + 3 * 6 + 1 + 4 * 4;
 
 /// States of that robot, with their sets and settings.
@@ -374,7 +374,8 @@ impl States {
         let mut uniform = numbers();
         let mut set = || MachineContacts { foot: uniform() > 0.0, elbow: uniform() > 0.3 };
         let sets = (0..states).map(|_| set()).collect();
-        let q = (0..states).map(|_| Machine::random(|| 0.5 + 0.5 * uniform())).collect();
+        let q =
+            (0..states).map(|_| Machine::random_configuration(|| 0.5 + 0.5 * uniform())).collect();
         let settings = settings();
         Self { q, qd: vectors(states, 2.0), tau: vectors(states, 5.0), sets, settings }
     }
@@ -414,9 +415,9 @@ fn derivatives_of_many_states() {
     });
 }
 
-/// A bundle of many states has the set and the settings once for its functions.
+/// A fused function of many states has the set and the settings once for its functions.
 #[test]
-fn a_bundle_of_many_states() {
+fn a_fused_function_of_many_states() {
     let States { q, qd, tau, sets, settings } = &States::new(19);
     on_every_level(|fused| {
         let one = |i: usize| Machine::held(&q[i], &qd[i], &tau[i], sets[i], settings);
@@ -427,7 +428,7 @@ fn a_bundle_of_many_states() {
         };
         let expected: Vec<Vec<f64>> = (0..q.len()).map(|i| numbers(&one(i))).collect();
         let found: Vec<Vec<f64>> = found.iter().map(numbers).collect();
-        same(&found, &expected, if fused { fused_error::<f64>() } else { 1e-12 }, "bundle");
+        same(&found, &expected, if fused { fused_error::<f64>() } else { 1e-12 }, "fused");
     });
 }
 

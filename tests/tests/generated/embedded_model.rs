@@ -2,7 +2,7 @@
 
 use modyn::EmbeddedModel;
 use modyn_codegen::{
-    Base, Builder, Contact, ContactKind, Friction, Function, LoopEnd, Mimic, Rotor,
+    Base, Builder, Contact, ContactKind, Function, JointFriction, LoopEnd, Mimic, Rotor,
 };
 use modyn_runtime::Interpreter;
 
@@ -10,7 +10,7 @@ modyn::modyn! {
     pub(crate) JointZoo = "../../../robots/joint_zoo.urdf",
     functions = [potential_energy],
     gravity = [0.5, -1.5, -9.0],
-    friction = smooth(0.02),
+    joint_friction = smooth(0.02),
     embed_model = true,
 }
 modyn::modyn! {
@@ -49,7 +49,7 @@ fn check<R: EmbeddedModel>(expected: &Builder) {
 #[test]
 fn types_have_their_models() {
     let zoo = read("joint_zoo").gravity([0.5, -1.5, -9.0]);
-    check::<JointZoo>(&zoo.friction(Friction::Smooth(0.02)));
+    check::<JointZoo>(&zoo.joint_friction(JointFriction::Smooth(0.02)));
     check::<MimicGripper>(&read("mimic_gripper").mimic(Mimic::Follow));
     check::<FiveBar>(&read("five_bar"));
     let rotor = Rotor::new("front_left_knee", 0.0001, 9.0);
@@ -74,7 +74,7 @@ fn an_interpreter_of_a_type() {
     let q: [f64; JointZoo::NQ] = core::array::from_fn(|i| 0.3 * i as f64 - 1.0);
     let mut interpreter = Interpreter::<f64>::new(model);
     let mut unit = q;
-    interpreter.normalize(&mut unit).expect("lengths");
+    interpreter.normalize_configuration(&mut unit).expect("lengths");
     let expected = JointZoo::potential_energy(&unit);
     let found = interpreter.potential_energy(&unit).expect("lengths");
     assert!(expected.abs() > 1.0 && (found - expected).abs() < 1e-9 * expected.abs());

@@ -40,7 +40,7 @@ fn looped(plan: &Plan) -> Option<[&Program; 2]> {
 fn compare(what: &str, model: &Model, state: &State) {
     let State { q, qd, qdd, tau } = state;
     for runtime_gravity in [false, true] {
-        let plan = plan(model, CodeForm::Small, runtime_gravity);
+        let plan = plan(model, CodeForm::Looped, runtime_gravity);
         let [forward, inverse] = looped(&plan).expect("loops");
         let gravity = plan.parameters.described(model.gravity());
         let mut interpreter = Interpreter::new(model.clone());
@@ -64,7 +64,7 @@ fn loops_have_the_values_of_the_interpreter() {
         for (what, model) in [("on the ground", &model), ("floating", &floating)] {
             let mimics = model.links().iter().any(|link| link.joint.mimic.is_some());
             if mimics || Mechanism::new(model).compensates_gravity() {
-                assert!(looped(&plan(model, CodeForm::Small, false)).is_none());
+                assert!(looped(&plan(model, CodeForm::Looped, false)).is_none());
                 straight += 1;
                 continue;
             }
@@ -93,7 +93,7 @@ const FROZEN: [[usize; 2]; 2] = [[840, 322], [437, 161]];
 #[test]
 fn the_amount_of_code_does_not_depend_on_the_number_of_bodies() {
     let counts = |links| {
-        let plan = plan(&chain(links), CodeForm::Small, false);
+        let plan = plan(&chain(links), CodeForm::Looped, false);
         let loops = looped(&plan).expect("loops");
         let in_the_text = loops.map(|program| program.static_operations().total());
         (in_the_text, loops.map(|program| program.operations_per_call().total()))
@@ -109,31 +109,31 @@ fn the_amount_of_code_does_not_depend_on_the_number_of_bodies() {
 #[test]
 fn long_chains_are_loops_unless_speed_is_chosen() {
     let is_looped = |links, code| looped(&plan(&chain(links), code, false)).is_some();
-    assert!(is_looped(7, CodeForm::Small) && !is_looped(7, CodeForm::Auto));
-    assert!(is_looped(140, CodeForm::Auto) && !is_looped(140, CodeForm::Fast));
+    assert!(is_looped(7, CodeForm::Looped) && !is_looped(7, CodeForm::Auto));
+    assert!(is_looped(140, CodeForm::Auto) && !is_looped(140, CodeForm::Unrolled));
 }
 
 macro_rules! robots {
     ($($Robot:ident = $file:literal $(, $key:ident = $choice:tt)*;)*) => {$(
         modyn::modyn! {
             $Robot = $file,
-            functions = [forward_dynamics, inverse_dynamics, random]
+            functions = [forward_dynamics, inverse_dynamics, random_configuration]
             $(, $key = $choice)*
         }
     )*};
 }
 
 robots! {
-    Arm = "../../../robots/arm7.urdf", friction = coulomb, code = small;
-    StraightArm = "../../../robots/arm7.urdf", friction = coulomb, code = fast;
-    Moon = "../../../robots/arm7.urdf", friction = none, runtime_gravity = true, code = small;
-    StraightMoon = "../../../robots/arm7.urdf", friction = none, runtime_gravity = true, code = fast;
-    Zoo = "../../../robots/joint_zoo.urdf", friction = viscous, code = small;
-    StraightZoo = "../../../robots/joint_zoo.urdf", friction = viscous, code = fast;
-    Flying = "../../../robots/quadruped.urdf", base = floating, code = small;
-    StraightFlying = "../../../robots/quadruped.urdf", base = floating, code = fast;
-    Single = "../../../robots/quadruped.urdf", base = floating, scalar = f32, code = small;
-    StraightSingle = "../../../robots/quadruped.urdf", base = floating, scalar = f32, code = fast;
+    Arm = "../../../robots/arm7.urdf", joint_friction = coulomb, code = looped;
+    StraightArm = "../../../robots/arm7.urdf", joint_friction = coulomb, code = unrolled;
+    Moon = "../../../robots/arm7.urdf", joint_friction = none, runtime_gravity = true, code = looped;
+    StraightMoon = "../../../robots/arm7.urdf", joint_friction = none, runtime_gravity = true, code = unrolled;
+    Zoo = "../../../robots/joint_zoo.urdf", joint_friction = viscous, code = looped;
+    StraightZoo = "../../../robots/joint_zoo.urdf", joint_friction = viscous, code = unrolled;
+    Flying = "../../../robots/quadruped.urdf", base = floating, code = looped;
+    StraightFlying = "../../../robots/quadruped.urdf", base = floating, code = unrolled;
+    Single = "../../../robots/quadruped.urdf", base = floating, scalar = f32, code = looped;
+    StraightSingle = "../../../robots/quadruped.urdf", base = floating, scalar = f32, code = unrolled;
 }
 
 /// Compares a compiled robot with loops with the same robot in straight-line code.
@@ -141,7 +141,7 @@ macro_rules! compared {
     ($Looped:ident, $Straight:ident, $T:ty, $tolerance:expr) => {{
         let mut random = Random::new(5);
         for _ in 0..20 {
-            let q = $Looped::random(|| random.between(0.0, 1.0) as $T);
+            let q = $Looped::random_configuration(|| random.between(0.0, 1.0) as $T);
             let [qd, tau]: [[$T; $Looped::NV]; 2] =
                 std::array::from_fn(|_| std::array::from_fn(|_| random.between(-2.0, 2.0) as $T));
             let numbers = |x: [$T; $Looped::NV]| x.map(f64::from);
@@ -157,8 +157,8 @@ macro_rules! compared {
 }
 
 modyn::modyn! {
-    Legged = "../../../robots/quadruped.urdf", base = floating, code = small, embed_model = true,
-    functions = [forward_dynamics_derivatives, random]
+    Legged = "../../../robots/quadruped.urdf", base = floating, code = looped, embed_model = true,
+    functions = [forward_dynamics_derivatives, random_configuration]
 }
 
 /// Products of matrices in loops, on vectors where the processor has them, of numbers in both precisions.
@@ -167,7 +167,7 @@ fn compiled_products_have_the_values_of_the_interpreter() {
     let mut random = Random::new(8);
     let mut interpreter = Interpreter::new(<Legged as EmbeddedModel>::model());
     for _ in 0..20 {
-        let q = Legged::random(|| random.between(0.0, 1.0));
+        let q = Legged::random_configuration(|| random.between(0.0, 1.0));
         let [qd, tau]: [[f64; Legged::NV]; 2] =
             std::array::from_fn(|_| std::array::from_fn(|_| random.between(-2.0, 2.0)));
         let mut expected = vec![0.0; Legged::NV * (1 + 3 * Legged::NV)];

@@ -2,10 +2,10 @@
 #![cfg(not(clippy))]
 
 mod batch;
-mod bundles;
 mod configuration;
 mod contact_batch;
 mod embedded_model;
+mod fused;
 mod looped;
 mod mjcf;
 mod no_heap;

@@ -9,11 +9,11 @@ use modyn_runtime::quantities::Function;
 use modyn_runtime::{ContactSurface, Interpreter, StepSettings};
 use modyn_tests::arguments::interpreted;
 
-modyn::modyn!(Arm = "../../../modyn-read/tests/mjcf/arm.xml", friction = viscous);
+modyn::modyn!(Arm = "../../../modyn-read/tests/mjcf/arm.xml", joint_friction = viscous);
 
 modyn::modyn! {
     Floating = "../../../modyn-read/tests/mjcf/floating.xml",
-    friction = none,
+    joint_friction = none,
     functions = [forward_dynamics, inverse_dynamics, gravity_torques, potential_energy, forward_dynamics_derivatives],
     embed_model = true,
 }
@@ -21,7 +21,7 @@ modyn::modyn! {
 modyn::modyn! {
     Standing = "../../../modyn-read/tests/mjcf/floor.xml",
     functions = [step, link_poses],
-    unread_forces = warn,
+    unsupported_forces = warn,
     embed_model = true,
 }
 
@@ -66,7 +66,7 @@ fn steps_on_a_ramp_are_steps_on_its_plane() {
 #[test]
 fn shapes_on_a_floor_are_generated() {
     let text = include_str!("../../../modyn-read/tests/mjcf/floor.xml");
-    let options = ReadOptions { unread_forces: Severity::Warning, ..ReadOptions::default() };
+    let options = ReadOptions { unsupported_forces: Severity::Warning, ..ReadOptions::default() };
     let model = read(text, "floor.xml", &options).expect("an MJCF").model;
     let soft = model.soft_constraints();
     assert_eq!([soft.tendons.len(), soft.couplings.len(), soft.references.len()], [1; 3]);
@@ -77,7 +77,7 @@ fn shapes_on_a_floor_are_generated() {
     let settings = StepSettings { tolerance: 1e-12, impratio: settings.impratio, contacts };
     let mut interpreter = Interpreter::<f64>::new(model);
     let mut q = [0.1, 0.2, -0.35, 0.1, 0.2, 0.3, 0.9, 1.2];
-    interpreter.normalize(&mut q).expect("lengths");
+    interpreter.normalize_configuration(&mut q).expect("lengths");
     let [qd, tau]: [[f64; Standing::NV]; 2] =
         [0.7, 1.9].map(|k| core::array::from_fn(|i| (k * i as f64 + k).cos()));
     let zeros = [0.0; Standing::NV];
@@ -102,8 +102,10 @@ fn shapes_on_a_floor_are_generated() {
 #[test]
 fn the_macro_recognises_an_mjcf() {
     let text = include_str!("../../../modyn-read/tests/mjcf/arm.xml");
-    let options =
-        ReadOptions { friction: Some(modyn_codegen::Friction::Viscous), ..ReadOptions::default() };
+    let options = ReadOptions {
+        joint_friction: Some(modyn_codegen::JointFriction::Viscous),
+        ..ReadOptions::default()
+    };
     let reading = read(text, "arm.xml", &options).expect("an MJCF");
     let mut interpreter = Interpreter::<f64>::new(reading.model);
     let (q, qd, tau) = ([0.4, -0.9, 0.05], [0.7, -0.3, 0.2], [1.0, -2.0, 0.5]);
@@ -119,8 +121,10 @@ fn the_macro_recognises_an_mjcf() {
 #[test]
 fn springs_and_gravity_compensation_are_generated() {
     let text = include_str!("../../../modyn-read/tests/mjcf/floating.xml");
-    let options =
-        ReadOptions { friction: Some(modyn_codegen::Friction::None), ..ReadOptions::default() };
+    let options = ReadOptions {
+        joint_friction: Some(modyn_codegen::JointFriction::None),
+        ..ReadOptions::default()
+    };
     let reading = read(text, "floating.xml", &options).expect("an MJCF");
     let model = Floating::model();
     assert_eq!(model, reading.model);
@@ -128,7 +132,7 @@ fn springs_and_gravity_compensation_are_generated() {
 
     let mut interpreter = Interpreter::<f64>::new(model);
     let mut q: [f64; Floating::NQ] = core::array::from_fn(|i| (1.3 * i as f64).sin());
-    interpreter.normalize(&mut q).expect("lengths");
+    interpreter.normalize_configuration(&mut q).expect("lengths");
     let [qd, qdd, tau]: [[f64; Floating::NV]; 3] =
         [0.7, 1.9, 2.3].map(|k| core::array::from_fn(|i| (k * i as f64 + k).cos()));
     let close = |found: &[f64], expected: &[f64]| {

@@ -9,7 +9,7 @@ use modyn_tests::counting::measure;
 
 modyn::modyn!("../../../robots/gripper.urdf");
 modyn::modyn!("../../../robots/quadruped.urdf", modules = links);
-modyn::modyn!(Single = "../../../robots/arm7.urdf", friction = none, scalar = f32);
+modyn::modyn!(Single = "../../../robots/arm7.urdf", joint_friction = none, scalar = f32);
 modyn::modyn!(
     "../../../robots/joint_zoo.urdf",
     functions = [
@@ -36,7 +36,7 @@ modyn::modyn!(
         jacobian_dot_qd,
         jacobian_dot_qd_local
     ],
-    friction = smooth(0.01),
+    joint_friction = smooth(0.01),
     runtime_gravity = true,
     runtime_inertia = ["tip"],
     payload = ["tip"],
@@ -117,7 +117,10 @@ fn calls_with_parameters_allocate_nothing() {
         }
         let moved = black_box(JointZoo::integrate(&q, &v));
         black_box((JointZoo::difference(&q, &moved), JointZoo::velocity_to_qdot(&q, &v)));
-        black_box((JointZoo::normalize(&moved), JointZoo::random(|| 0.5)));
+        black_box((
+            JointZoo::normalize_configuration(&moved),
+            JointZoo::random_configuration(|| 0.5),
+        ));
         let goal = Reference::<JointZoo>::at_rest(moved);
         let gains = Gains { stiffness: 1.0, damping: 2.0 };
         let next = State::<JointZoo>::at_rest(q).runge_kutta_4(0.01, |state| {

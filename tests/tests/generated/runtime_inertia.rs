@@ -6,7 +6,7 @@ use modyn_runtime::num_dual::Dual64;
 
 modyn::modyn! {
     Arm = "../../../robots/arm7.urdf",
-    friction = none,
+    joint_friction = none,
     runtime_gravity = true,
     runtime_inertia = ["link7", "hand", "link4"],
     payload = ["hand"],
@@ -14,7 +14,7 @@ modyn::modyn! {
 }
 modyn::modyn! {
     Single = "../../../robots/arm7.urdf",
-    friction = none,
+    joint_friction = none,
     scalar = f32,
     runtime_gravity = true,
     runtime_inertia = ["link4"],
@@ -24,7 +24,7 @@ modyn::modyn! {
 // All links after the wrist have run-time inertias: without these and the payload, the last joint has no inertia.
 modyn::modyn! {
     Wrist = "../../../robots/arm7.urdf",
-    friction = none,
+    joint_friction = none,
     runtime_inertia = ["link7", "hand", "left_finger", "right_finger"],
     payload = ["grasp_point"],
     functions = [forward_dynamics]

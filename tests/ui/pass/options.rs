@@ -14,13 +14,13 @@ modyn::modyn! {
     base = fixed,
     mimic = refuse,
     unphysical_inertia = error,
-    unread_forces = warn,
+    unsupported_forces = warn,
     crate = crate::modyn_under_another_name::renamed,
 }
 modyn::modyn!(Others = "../good.urdf", modules = links, scalar = f64, mimic = independent);
 modyn::modyn!(r#Chains = "../good.urdf", modules = chains,);
 modyn::modyn!(Mimicking = "../mimic.urdf", mimic = independent);
-modyn::modyn!(Following = "../mimic.urdf", mimic = follow, friction = none);
+modyn::modyn!(Following = "../mimic.urdf", mimic = follow, joint_friction = none);
 modyn::modyn!(
     Floating = "../floating.urdf",
     base = floating,
@@ -28,7 +28,7 @@ modyn::modyn!(
     runtime_inertia = ["hand"],
     payload = ["hand", "arm"],
     functions = all,
-    friction = smooth(1e-2),
+    joint_friction = smooth(1e-2),
     rotors = ["elbow": (1e-4, 100)],
 );
 modyn::modyn!(
@@ -47,12 +47,12 @@ modyn::modyn!(
 );
 modyn::modyn!(Driven = "../good.urdf", functions = [actuate], actuators = ["*": velocity(1.5,)]);
 modyn::modyn!(
-    Bundled = "../good.urdf",
+    Fused = "../good.urdf",
     functions = [],
-    bundles = [state: (mass_matrix, jacobian("hand"), brge), "many": batch(bias_forces, link_pose(arm)),],
+    fused = [state: (mass_matrix, jacobian("hand"), brge), "many": batch(bias_forces, link_pose(arm)),],
 );
-modyn::modyn!(Little = "../good.urdf", functions = [forward_dynamics], friction = coulomb);
-modyn::modyn!(More = "../good.urdf", functions = [default, regressor], friction = viscous);
+modyn::modyn!(Little = "../good.urdf", functions = [forward_dynamics], joint_friction = coulomb);
+modyn::modyn!(More = "../good.urdf", functions = [default, regressor], joint_friction = viscous);
 modyn::modyn!(Default = "../good.urdf", functions = default, payload = [], runtime_inertia = [], rotors = []);
 modyn::modyn!(Unphysical = "../triangle-inequality.urdf", unphysical_inertia = warn);
 

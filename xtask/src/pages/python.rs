@@ -305,7 +305,7 @@ pub(super) fn results() -> String {
 
 /// Returns the options that `load` takes.
 fn options() -> impl Iterator<Item = &'static OptionRow> {
-    let of_text = ["functions", "share", "embed_model", "code", "crate"];
+    let of_text = ["functions", "share_limbs", "embed_model", "code", "crate"];
     OPTIONS.iter().filter(move |row| {
         row.entries == Entries::All && (row.stage == Stage::Reading || !of_text.contains(&row.name))
     })

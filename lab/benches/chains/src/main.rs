@@ -16,8 +16,8 @@ use measure::{Form, State, measured};
 /// A measured chain: straight-line code, and loops.
 struct Measured {
     n: usize,
-    fast: Form,
-    small: Form,
+    unrolled: Form,
+    looped: Form,
 }
 
 /// Returns 64 states of a chain.
@@ -28,12 +28,12 @@ fn states<const N: usize>() -> Vec<State<N, N>> {
 }
 
 macro_rules! chains {
-    ($($n:literal $Fast:ident $fast:literal $Small:ident $small:literal;)*) => {
+    ($($n:literal $Unrolled:ident $unrolled:literal $Looped:ident $looped:literal;)*) => {
         fn generated() -> Vec<Measured> {
             vec![$(Measured {
                 n: $n,
-                fast: measured($fast, &states::<$n>(), $Fast::forward_dynamics),
-                small: measured($small, &states::<$n>(), $Small::forward_dynamics),
+                unrolled: measured($unrolled, &states::<$n>(), $Unrolled::forward_dynamics),
+                looped: measured($looped, &states::<$n>(), $Looped::forward_dynamics),
             }),*]
         }
     };
@@ -48,8 +48,8 @@ fn main() {
     let interpreted: Vec<(f64, f64)> =
         lengths.iter().map(|&n| (n as f64, seconds(n) * 1e9)).collect();
     println!(
-        "| joints | operations, fast | fast, ns | fast, ns a joint | fast, cold, ns | operations, small | small, ns | \
-         small, ns a joint | small, cold, ns | interpreted, ns | ns a link |"
+        "| joints | operations, unrolled | unrolled, ns | unrolled, ns a joint | unrolled, cold, ns | operations, looped | \
+         looped, ns | looped, ns a joint | looped, cold, ns | interpreted, ns | ns a link |"
     );
     println!("|{}", "---|".repeat(11));
     for (i, (n, interpreted)) in interpreted.iter().enumerate() {
@@ -57,7 +57,7 @@ fn main() {
             format!("{operations} | {warm:.0} | {:.1} | {cold:.0}", warm / n)
         };
         let compiled = generated.get(i).map_or("| | | | | | |".into(), |chain| {
-            format!("{} | {}", form(&chain.fast), form(&chain.small))
+            format!("{} | {}", form(&chain.unrolled), form(&chain.looped))
         });
         println!("| {n} | {compiled} | {interpreted:.0} | {:.0} |", interpreted / n);
     }
@@ -69,8 +69,8 @@ fn main() {
         x: Axis::logarithmic("joints"),
         y: Axis::logarithmic("time (ns)"),
         lines: vec![
-            Line::new("fast", line(|chain| &chain.fast)),
-            Line::new("small", line(|chain| &chain.small)),
+            Line::new("unrolled", line(|chain| &chain.unrolled)),
+            Line::new("looped", line(|chain| &chain.looped)),
             Line::new("interpreted", interpreted),
         ],
     };

@@ -22,23 +22,24 @@ pub fn states<const NQ: usize, const NV: usize>(
 }
 
 macro_rules! robots {
-    ($function:ident $($robot:literal $Fast:ident $fast:literal $Small:ident $small:literal;)*) => {
+    ($function:ident $($robot:literal $Unrolled:ident $unrolled:literal $Looped:ident $looped:literal;)*) => {
         fn main() {
             use robots::measure::{Form, measured};
             use robots::states;
 
             println!(
-                "| robot | operations, fast | fast, ns | fast, cold, ns | operations, small | small, ns | small, cold, ns |"
+                "| robot | operations, unrolled | unrolled, ns | unrolled, cold, ns | operations, looped | looped, ns | \
+                 looped, cold, ns |"
             );
             println!("|{}", "---|".repeat(7));
             $(
-                let at = states(|next| $Fast::random(next));
+                let at = states(|next| $Unrolled::random_configuration(next));
                 let form = |Form { operations, warm, cold }: Form| {
                     format!("{operations} | {warm:.0} | {cold:.0}")
                 };
-                let fast = form(measured($fast, &at, $Fast::$function));
-                let small = form(measured($small, &at, $Small::$function));
-                println!("| {} | {fast} | {small} |", $robot);
+                let unrolled = form(measured($unrolled, &at, $Unrolled::$function));
+                let looped = form(measured($looped, &at, $Looped::$function));
+                println!("| {} | {unrolled} | {looped} |", $robot);
             )*
         }
     };

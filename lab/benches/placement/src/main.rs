@@ -15,10 +15,12 @@ use modyn_codegen::{Builder, Function};
 use modyn_jit::{Compiled, Options};
 use place::{PLACEMENTS, Placement, at, candidates, deeper};
 
-modyn::modyn! { Panda = "../../../../tests/golden/panda.urdf", friction = none, functions = [
+modyn::modyn! { Panda = "../../../../tests/golden/panda.urdf", joint_friction = none, functions = [
     forward_dynamics, forward_dynamics_derivatives
 ] }
-modyn::modyn! { G1 = "../../../../tests/golden/g1.urdf", friction = none, functions = [forward_dynamics_derivatives] }
+modyn::modyn! { G1 = "../../../../tests/golden/g1.urdf", joint_friction = none, functions = [
+    forward_dynamics_derivatives
+] }
 
 /// Each placement is measured this often, in turn with the others, so that other load of the machine meets all of them.
 const ROUNDS: usize = 8;

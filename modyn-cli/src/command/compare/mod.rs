@@ -227,7 +227,7 @@ impl Arguments {
         (0..self.states)
             .map(|_| {
                 let mut q = vec![0.0; nq];
-                interpreter.random(|| random.uniform(), &mut q).map_err(shape)?;
+                interpreter.random_configuration(|| random.uniform(), &mut q).map_err(shape)?;
                 let qd = (0..nv).map(|_| random.symmetric(2.0)).collect();
                 let u = (0..nv).map(|_| random.symmetric(10.0)).collect();
                 Ok(State { q, qd, u })

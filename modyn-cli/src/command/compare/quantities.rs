@@ -93,7 +93,7 @@ pub fn quantities() -> impl Iterator<Item = Quantity> {
             && row.is_general()
             && !row.by_link
             && row.arguments.iter().all(of_a_state)
-            && *function != Function::Normalize
+            && *function != Function::NormalizeConfiguration
     };
     Function::ALL.iter().copied().filter(is_compared).map(|function| {
         let solves = matches!(
@@ -131,8 +131,8 @@ mod tests {
             Function::LinkPose,
             Function::Jacobian,
             Function::Difference,
-            Function::Normalize,
-            Function::Random,
+            Function::NormalizeConfiguration,
+            Function::RandomConfiguration,
         ];
         assert_eq!(left, expected.iter().collect::<Vec<_>>());
     }

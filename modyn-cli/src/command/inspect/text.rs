@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use modyn_codegen::MAX_CONDITION_F32;
 use modyn_codegen::diagnostics::sanitize_for_display;
-use modyn_runtime::model::{Contact, Friction, Link, LoopConstraint, Model, ModuleTree};
+use modyn_runtime::model::{Contact, JointFriction, Link, LoopConstraint, Model, ModuleTree};
 use unicode_width::UnicodeWidthStr;
 
 use super::{Cost, Inspection, actuators, advice};
@@ -158,8 +158,11 @@ fn parent(model: &Model, link: &Link) -> String {
 
 /// Returns whether damping acts, and whether Coulomb friction acts.
 pub fn active_friction(model: &Model) -> [bool; 2] {
-    let friction = model.friction();
-    [friction != Friction::None, !matches!(friction, Friction::None | Friction::Viscous)]
+    let friction = model.joint_friction();
+    [
+        friction != JointFriction::None,
+        !matches!(friction, JointFriction::None | JointFriction::Viscous),
+    ]
 }
 
 /// Returns notes on a joint: mimic relation, armature, spring, damping, friction.
@@ -174,7 +177,7 @@ fn notes(model: &Model, link: usize) -> String {
     }
     let dynamics = &joint.dynamics;
     if dynamics.armature != 0.0 {
-        notes.push(format!("rotor {}", four_digits(dynamics.armature)));
+        notes.push(format!("armature {}", four_digits(dynamics.armature)));
     }
     if let Some(spring) = model.spring(link) {
         let reference: Vec<String> = spring.reference.iter().map(|x| four_digits(*x)).collect();

@@ -2,7 +2,7 @@
 
 use modyn_runtime::equations::constraints::{ConstrainedOutputs, ProjectionOutputs};
 use modyn_runtime::equations::{self, ForwardInput, TimeStepInput};
-use modyn_runtime::model::{Friction, Model};
+use modyn_runtime::model::{JointFriction, Model};
 use modyn_runtime::spatial::{Twist, Wrench};
 use modyn_runtime::{ConstraintSettings, ContactTarget, Interpreter, ShapeError};
 
@@ -90,8 +90,8 @@ impl<'a> Dynamics<'a> {
         settings: &Settings<'_>,
         q: &[f64],
     ) -> Result<Self, Failure> {
-        let without_friction = (model.friction() != Friction::None)
-            .then(|| model.clone().with_friction(Friction::None).map(Interpreter::new));
+        let without_friction = (model.joint_friction() != JointFriction::None)
+            .then(|| model.clone().with_joint_friction(JointFriction::None).map(Interpreter::new));
         let smooth = without_friction.transpose().map_err(|errors| Failure::usage(&errors[0]))?;
         let interpreter = Interpreter::new(model.clone());
         let tau = vec![0.0; model.nv()];
@@ -155,7 +155,7 @@ impl<'a> Dynamics<'a> {
         let ends = first.plus(1.0, &last);
         let middles = second.plus(1.0, &third);
         let mut next = state.plus(dt / 6.0, &ends).plus(dt / 3.0, &middles);
-        self.interpreter.normalize(&mut next.q)?;
+        self.interpreter.normalize_configuration(&mut next.q)?;
         Ok(next)
     }
 

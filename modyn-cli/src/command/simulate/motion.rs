@@ -137,11 +137,11 @@ pub fn place(
     let done = match (given, seed) {
         (Some(given), _) => {
             q = given;
-            interpreter.normalize(&mut q)
+            interpreter.normalize_configuration(&mut q)
         }
         (None, Some(seed)) => {
             let mut random = Random::new(seed);
-            interpreter.random(|| random.uniform(), &mut q)
+            interpreter.random_configuration(|| random.uniform(), &mut q)
         }
         (None, None) => interpreter.neutral(&mut q),
     };

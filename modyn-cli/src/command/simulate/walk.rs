@@ -104,7 +104,7 @@ impl Walk {
             Some(last) if self.time > time => last.at(time),
             _ => self.state.clone(),
         };
-        dynamics.interpreter.normalize(&mut state.q).map_err(shape)?;
+        dynamics.interpreter.normalize_configuration(&mut state.q).map_err(shape)?;
         Ok(state)
     }
 
@@ -137,7 +137,7 @@ impl Walk {
             let is_near = self.is_near(dynamics);
             if step.error <= 1.0 && !has_fallen(&dynamics.ranks) {
                 let mut end = step.end.clone();
-                dynamics.interpreter.normalize(&mut end.q).map_err(shape)?;
+                dynamics.interpreter.normalize_configuration(&mut end.q).map_err(shape)?;
                 let change = if is_near { dynamics.close(&mut end).map_err(shape)? } else { 0.0 };
                 if change <= JUMP * tolerance {
                     self.steps += 1;

@@ -48,9 +48,9 @@ impl Backend for Casadi {
                 help: "remove the option `scalar`",
             },
             Refused {
-                option: "bundles",
-                message: "`CasADi` has no bundles",
-                help: "select the functions of the bundle by `functions`",
+                option: "fused",
+                message: "`CasADi` has no fused functions",
+                help: "select the functions of the fused function by `functions`",
             },
             Refused {
                 option: "function",

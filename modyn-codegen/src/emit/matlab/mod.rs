@@ -59,7 +59,7 @@ impl Backend for Matlab {
         choices: &Choices,
         options: &EmitOptions,
     ) -> Result<Plan, TooLong> {
-        let choices = Choices { share: false, code: CodeForm::Fast, ..choices.clone() };
+        let choices = Choices { share_limbs: false, code: CodeForm::Unrolled, ..choices.clone() };
         Plan::new(model, modules, &choices, self.execution(options))
     }
 

@@ -34,7 +34,8 @@ pub(super) fn robot(text: &mut String, robot: &Robot<'_>, operations: &[(&str, O
     );
     if model.quaternions().next().is_some() {
         lines.push_str(
-            "Quaternions in `q` must have length 1: `check_configuration` checks them, and `normalize` scales them.\n",
+            "Quaternions in `q` must have length 1: `check_configuration` checks them, and \
+             `normalize_configuration` scales them.\n",
         );
     }
     if let Some(code) = robot.code {
@@ -230,18 +231,18 @@ fn options(lines: &mut String, robot: &Robot<'_>) {
         let names: Vec<&str> = choices.functions.iter().map(|function| function.name()).collect();
         format!("[{}]", names.join(", "))
     };
-    let friction = format!("{:?}", model.friction()).to_lowercase();
+    let friction = format!("{:?}", model.joint_friction()).to_lowercase();
     let gravity = model.gravity();
     let _ = writeln!(
         lines,
         "\n# Options\n\n- `scalar = {}`\n- `functions = {functions}`\n- `gravity = {gravity:?}` (m/s^2, world axes)\n\
-         - `friction = {friction}`",
+         - `joint_friction = {friction}`",
         options.scalar.name()
     );
-    for bundle in &choices.bundles {
-        let members: Vec<&str> = bundle.members.iter().map(|member| member.docs).collect();
-        let batch = if bundle.batch { ", also for many states" } else { "" };
-        let _ = writeln!(lines, "- bundle `{}`{batch}: {}", bundle.name, members.join(", "));
+    for fused in &choices.fused {
+        let members: Vec<&str> = fused.members.iter().map(|member| member.docs).collect();
+        let batch = if fused.batch { ", also for many states" } else { "" };
+        let _ = writeln!(lines, "- fused function `{}`{batch}: {}", fused.name, members.join(", "));
     }
     for function in &choices.user_functions {
         let batch = if function.batch { ", also for many states" } else { "" };
@@ -259,8 +260,8 @@ fn options(lines: &mut String, robot: &Robot<'_>) {
     if choices.runtime_gravity {
         lines.push_str("- `runtime_gravity = true`\n");
     }
-    if choices.share {
-        lines.push_str("- `share = true`\n");
+    if choices.share_limbs {
+        lines.push_str("- `share_limbs = true`\n");
     }
     if choices.code != CodeForm::default() {
         let _ = writeln!(lines, "- `code = {}`", format!("{:?}", choices.code).to_lowercase());

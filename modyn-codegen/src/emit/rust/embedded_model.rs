@@ -17,8 +17,8 @@ const IMPORTS: &str = "\
 use ::core::option::Option::{None, Some};
     use __modyn::joint::JointType;
     use __modyn::model::{
-        Contact, ContactKind, Frame, Friction, Joint, JointDynamics, Limits, Link, LoopConstraint,
-        LoopConstraintEnd, LoopConstraintKind, Mimic, Model,
+        Contact, ContactKind, Frame, Joint, JointDynamics, JointFriction, Limits, Link,
+        LoopConstraint, LoopConstraintEnd, LoopConstraintKind, Mimic, Model,
     };
     use __modyn::{Inertial, Pose};";
 
@@ -90,7 +90,7 @@ impl Robot<'_> {
              let links: [Link; {}] = {links};\n    let frames: [Frame; {}] = {frames};\n    \
              let loops: [LoopConstraint; {}] = {loops};\n    let contacts: [Contact; {}] = {contacts};\n    \
              let model = Model::new({:?}, {:?}, links.into(), frames.into());\n    \
-             let model = model.and_then(|model| model.with_friction(Friction::{:?}));\n    \
+             let model = model.and_then(|model| model.with_joint_friction(JointFriction::{:?}));\n    \
              {passive}let model = model.and_then(|model| model.with_loop_constraints(loops.into()));\n    \
              model\n        .and_then(|model| model.with_contacts(contacts.into()))\n        \
              {soft}{actuation}{keyframes}\
@@ -102,7 +102,7 @@ impl Robot<'_> {
             model.contacts().len(),
             model.name(),
             model.gravity(),
-            model.friction(),
+            model.joint_friction(),
         );
     }
 }

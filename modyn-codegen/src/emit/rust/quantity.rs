@@ -7,7 +7,7 @@ use crate::plan::{self, Argument, CForm, Function, Kernels, Planned};
 /// A planned function with its Rust types.
 #[derive(Clone)]
 pub(super) struct Quantity<'a> {
-    /// The function; `None` for a bundle and a user's function.
+    /// The function; `None` for a fused function and a user's function.
     pub function: Option<Function>,
     pub name: &'static str,
     /// The name of the function of one state, if this is its form for many states.

@@ -91,7 +91,7 @@ impl Robot<'_> {
             rows = self.model.constraint_rows(),
             columns = PARAMETERS_PER_LINK * self.model.links().len(),
         );
-        // The trait, which all robots share, has no bundles.
+        // The trait, which all robots share, has no fused functions.
         for quantity in quantities.iter().filter(|quantity| quantity.function.is_some()) {
             let with = if quantity.dynamic { "_with" } else { "" };
             let first = quantity.dynamic.then(|| "params: &Self::Params<T>".into());

@@ -45,7 +45,7 @@ impl Shape {
                 return fields.into_iter().map(|(_, field)| field).next().unwrap_or(Self::Scalar);
             }
             Record::Factorization => (format!("{robot}UduFactorization"), "{t}".into()),
-            Record::Bundle(name) => (format!("{robot}{name}"), "{t}".into()),
+            Record::Fused(name) => (format!("{robot}{name}"), "{t}".into()),
             Record::ResultsByField(name) => {
                 let types: Vec<String> =
                     fields.iter().map(|(_, field)| field.type_of("{t}")).collect();

@@ -31,7 +31,7 @@ impl<'e> Bodies<'e, '_, '_> {
                 let zeros: Vec<String> =
                     names.iter().map(|name| format!("`{name}=\"0\"`")).collect();
                 let help = format!(
-                    "write {}, or set the option `unread_forces = warn`: the robot moves as in a vacuum",
+                    "write {}, or set the option `unsupported_forces = warn`: the robot moves as in a vacuum",
                     zeros.join(" and ")
                 );
                 self.report.add(severity, Code::NotRead, first.at, None, message, help);

@@ -61,7 +61,7 @@ pub fn describe(text: &str, options: &ReadOptions, report: &mut Report<'_>) -> O
     }
     bodies.equality(options.mimic);
     bodies.hold_transmissions();
-    bodies.fluids(options.unread_forces);
+    bodies.fluids(options.unsupported_forces);
     bodies.tendons(options);
     bodies.hold_tendons();
     bodies.soft_constraints(options);

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use modyn_runtime::model::{Actuation, Friction, Inertial, Model};
+use modyn_runtime::model::{Actuation, Inertial, JointFriction, Model};
 use modyn_runtime::{Interpreter, Portable};
 
 use super::bodies::Bodies;
@@ -121,7 +121,7 @@ impl Bodies<'_, '_, '_> {
             gravity: Some([0.0; 3]),
             mimic: Mimic::Follow,
             unphysical_inertia: Severity::Warning,
-            friction: Some(Friction::None),
+            joint_friction: Some(JointFriction::None),
             ..ReadOptions::default()
         };
         assemble(description, &options, &mut Report::without_file())

@@ -3,7 +3,7 @@
 
 use std::collections::{BTreeSet, HashMap};
 
-use modyn_runtime::model::{Friction, JointSum, SoftTendon, TendonJoint, TendonSpring};
+use modyn_runtime::model::{JointFriction, JointSum, SoftTendon, TendonJoint, TendonSpring};
 
 use super::bodies::Bodies;
 use super::check::list;
@@ -88,10 +88,10 @@ impl<'e> Bodies<'e, '_, '_> {
             }
         }
         self.report_forces(options, [&unread, &only_in_steps]);
-        if options.friction != Some(Friction::None) {
+        if options.joint_friction != Some(JointFriction::None) {
             let message = "the friction of a tendon acts in `step` only";
             let help = "give its forces with the joint forces of the other functions, or set the option \
-                        `friction = none`: it then acts nowhere";
+                        `joint_friction = none`: it then acts nowhere";
             self.report.warn_once(Code::InactiveFriction, &rubbing, message, help);
         }
     }
@@ -109,17 +109,17 @@ impl<'e> Bodies<'e, '_, '_> {
     }
 
     fn report_forces(&mut self, options: &ReadOptions, [unread, only_in_steps]: [&LeftOut; 2]) {
-        let severity = options.unread_forces;
+        let severity = options.unsupported_forces;
         let message = format!("forces of a tendon ({}) are not read", unread.kinds(", "));
         let help = format!(
-            "give them with the joint forces: write 0 for {} in it, or set the option `unread_forces = warn`",
+            "give them with the joint forces: write 0 for {} in it, or set the option `unsupported_forces = warn`",
             unread.kinds(" and ")
         );
         self.report.add_once(severity, Code::NotRead, &unread.places, &message, &help);
         let message =
             format!("forces of a tendon ({}) act in `step` only", only_in_steps.kinds(", "));
         let help = format!(
-            "give them with the joint forces: write 0 for {} in it; or set the option `unread_forces = warn`: \
+            "give them with the joint forces: write 0 for {} in it; or set the option `unsupported_forces = warn`: \
              the other functions are without them",
             only_in_steps.kinds(" and ")
         );

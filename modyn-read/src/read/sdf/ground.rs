@@ -54,7 +54,7 @@ impl Grounding<'_, '_, '_> {
             return None;
         }
         // The description has the base that the options ask for.
-        let moves = moving_links(description, Base::Described);
+        let moves = moving_links(description, Base::Auto);
         let indices = link_indices(description);
         let world = self.world;
         let index = |link: &Link| {

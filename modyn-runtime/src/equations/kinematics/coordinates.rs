@@ -138,7 +138,7 @@ pub fn qdot_to_velocity<S: Scalar>(model: &Mechanism<S>, q: &[S], qdot: &[S], ou
 }
 
 /// Scales the quaternions in `q` to length 1. A quaternion of length 0 becomes the identity.
-pub fn normalize<S: Scalar>(model: &Mechanism<S>, q: &mut [S]) {
+pub fn normalize_configuration<S: Scalar>(model: &Mechanism<S>, q: &mut [S]) {
     for at in model.coordinates.iter().filter_map(quaternion) {
         write_rotation(rotation(q, at).normalized(), q, at);
     }

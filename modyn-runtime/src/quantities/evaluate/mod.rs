@@ -238,13 +238,16 @@ fn compute<S: Scalar>(function: Function, call: Call<'_, S>) -> Result<(), Frame
         F::VelocityToQdot => {
             call.numbers(|robot, out| robot.velocity_to_qdot(&given[Q], &given[QD], out))?
         }
-        F::Normalize => {
+        F::NormalizeConfiguration => {
             call.out.numbers.copy_from_slice(&given[Q]);
-            call.robot.normalize(call.out.numbers)?;
+            call.robot.normalize_configuration(call.out.numbers)?;
         }
-        F::Random => {
+        F::RandomConfiguration => {
             let mut numbers = given[UNIFORMS].iter().copied();
-            call.robot.random(|| numbers.next().unwrap_or_else(S::zero), call.out.numbers)?;
+            call.robot.random_configuration(
+                || numbers.next().unwrap_or_else(S::zero),
+                call.out.numbers,
+            )?;
         }
     }
     Ok(())

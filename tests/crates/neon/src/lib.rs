@@ -5,7 +5,7 @@
 modyn::modyn! {
     pub Arm = "../../../../robots/arm7.urdf",
     embed_model = true,
-    friction = none,
+    joint_friction = none,
     functions = [
         forward_dynamics, inverse_dynamics, mass_matrix, forward_dynamics_derivatives, random,
         forward_dynamics_batch, inverse_dynamics_batch, mass_matrix_batch
@@ -15,10 +15,10 @@ modyn::modyn! {
 modyn::modyn! {
     pub SingleArm = "../../../../robots/arm7.urdf",
     embed_model = true,
-    friction = none,
+    joint_friction = none,
     scalar = f32,
     functions = [
-        forward_dynamics, inverse_dynamics, mass_matrix, random,
+        forward_dynamics, inverse_dynamics, mass_matrix, random_configuration,
         forward_dynamics_batch, inverse_dynamics_batch
     ]
 }
@@ -37,7 +37,8 @@ modyn::modyn! {
     embed_model = true,
     base = floating,
     functions = [
-        forward_dynamics, inverse_dynamics, mass_matrix, random, forward_dynamics_batch, inverse_dynamics_batch
+        forward_dynamics, inverse_dynamics, mass_matrix, random_configuration, forward_dynamics_batch,
+        inverse_dynamics_batch
     ]
 }
 
@@ -47,12 +48,13 @@ modyn::modyn! {
     base = floating,
     scalar = f32,
     functions = [
-        forward_dynamics, inverse_dynamics, mass_matrix, random, forward_dynamics_batch, inverse_dynamics_batch
+        forward_dynamics, inverse_dynamics, mass_matrix, random_configuration, forward_dynamics_batch,
+        inverse_dynamics_batch
     ]
 }
 
 modyn::modyn! {
     pub Humanoid = "../../../../robots/humanoid.urdf",
     embed_model = true,
-    functions = [forward_dynamics, inverse_dynamics, mass_matrix, random]
+    functions = [forward_dynamics, inverse_dynamics, mass_matrix, random_configuration]
 }

@@ -35,7 +35,7 @@ macro_rules! check {
         let mut interpreter = Interpreter::new($Robot::model());
         let mut number = uniform();
         let states = 9;
-        let q: Vec<_> = (0..states).map(|_| $Robot::random(|| number() as $T)).collect();
+        let q: Vec<_> = (0..states).map(|_| $Robot::random_configuration(|| number() as $T)).collect();
         let mut vectors = |size: f64| -> Vec<[$T; NV]> {
             let mut vector = || std::array::from_fn(|_| (size * (2.0 * number() - 1.0)) as $T);
             (0..states).map(|_| vector()).collect()

@@ -15,7 +15,7 @@ modyn::modyn!(Small = "../../../../robots/arm7.urdf", scalar = f32, modules = li
 modyn::modyn!(
     Zoo = "../../../../robots/joint_zoo.urdf",
     functions = all,
-    friction = coulomb,
+    joint_friction = coulomb,
     runtime_gravity = true,
     runtime_inertia = ["tip"],
     payload = ["tip"],
@@ -87,7 +87,7 @@ fn call_all() {
     black_box(Zoo::jacobian_dot_qd_local(&q, &v, link));
     let moved = black_box(Zoo::integrate(&q, &v));
     black_box((Zoo::difference(&q, &moved), Zoo::velocity_to_qdot(&q, &v)));
-    black_box((Zoo::normalize(&moved), Zoo::random(|| black_box(0.5))));
+    black_box((Zoo::normalize_configuration(&moved), Zoo::random_configuration(|| black_box(0.5))));
     black_box((black_box(ZooJoint::Wrist).coordinates(), black_box(ZooJoint::Wrist).velocities()));
     let goal = Reference::<Zoo>::at_rest(moved);
     let gains = Gains { stiffness: 1.0, damping: 2.0 };

@@ -50,7 +50,7 @@ macro_rules! results {
             format!("{:?}", Leg::difference(&q, &to)),
             format!("{:?}", Leg::step_semi_implicit_derivatives(&q, &qd, &tau, 0.01)),
             format!("{:?}", Leg::link_poses(&q)),
-            format!("{:?}", Leg::random(uniform)),
+            format!("{:?}", Leg::random_configuration(uniform)),
         ];
         for contacts in [Contacts::NONE, Contacts::ALL] {
             let result = Leg::constrained_forward_dynamics(&q, &qd, &tau, contacts, &settings);

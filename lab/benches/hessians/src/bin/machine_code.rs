@@ -4,7 +4,7 @@
 use std::error::Error;
 use std::time::{Duration, Instant};
 
-use modyn_codegen::{Base, Builder, Friction, Function};
+use modyn_codegen::{Base, Builder, Function, JointFriction};
 use modyn_jit::{Call, Compiled, Options};
 use modyn_runtime::Interpreter;
 
@@ -38,7 +38,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let base = if base == "floating" { Base::Floating } else { Base::Fixed };
     let builder = || {
         let builder = Builder::new().urdf_text(&*text, &*path).base(base);
-        builder.friction(Friction::None).functions([function])
+        builder.joint_friction(JointFriction::None).functions([function])
     };
     let mut options = Options::default();
     let build = |options| Compiled::<f64>::build(&builder(), options);
@@ -56,7 +56,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         match *name {
             "q" => {
                 for q in all.chunks_mut(shape.len()) {
-                    interpreter.normalize(q)?;
+                    interpreter.normalize_configuration(q)?;
                 }
             }
             "dt" => all.fill(0.01),

@@ -196,7 +196,7 @@ fn starts(
         let moved = some(model.nv(), DISPLACEMENTS[i % 2]);
         let mut q = near.to_vec();
         interpreter.integrate(near, &moved, &mut q).map_err(shape)?;
-        interpreter.normalize(&mut q).map_err(shape)?;
+        interpreter.normalize_configuration(&mut q).map_err(shape)?;
         Ok(Keyframe {
             name: String::new(),
             q,

@@ -1,19 +1,19 @@
-//! Bundles of compiled robots give the numbers of their functions: through the macro, with run-time parameters, in single
-//! precision, with a floating base, and for many states.
+//! Fused functions of compiled robots give the numbers of their functions: through the macro, with run-time parameters,
+//! in single precision, with a floating base, and for many states.
 
 use modyn::spatial::{Pose, Twist, Vector3};
 use modyn_tests::random::Random;
 
 modyn::modyn! {
     Arm = "../../../robots/arm7.urdf",
-    friction = none,
+    joint_friction = none,
     runtime_gravity = true,
     payload = ["link7"],
     functions = [
         mass_matrix, bias_forces, jacobian, jacobian_dot_qd, link_pose, step_semi_implicit,
         forward_dynamics_derivatives
     ],
-    bundles = [
+    fused = [
         control: batch(
             mass_matrix, bias_forces, jacobian("hand"), jacobian_dot_qd("hand"), link_pose("hand")
         ),
@@ -25,8 +25,8 @@ modyn::modyn! {
     Flying = "../../../robots/quadruped.urdf",
     base = floating,
     scalar = f32,
-    functions = [mass_matrix, bias_forces, jacobian, link_velocity, kinetic_energy, normalize],
-    bundles = [
+    functions = [mass_matrix, bias_forces, jacobian, link_velocity, kinetic_energy, normalize_configuration],
+    fused = [
         feet: (
             kinetic_energy, jacobian("front_left_foot"), jacobian("hind_right_foot"), bias_forces,
             mass_matrix, link_velocity("hind_right_foot")
@@ -121,7 +121,7 @@ fn a_floating_base_in_single_precision() {
     let mut random = Random::new(2);
     let mut single = || random.between(-1.0, 1.0) as f32;
     for _ in 0..10 {
-        let q = Flying::normalize(&std::array::from_fn(|_| single()));
+        let q = Flying::normalize_configuration(&std::array::from_fn(|_| single()));
         let qd = std::array::from_fn(|_| single());
         let found = Flying::feet(&q, &qd);
         let double = |x: [f32; 18]| x.map(f64::from);

@@ -1,16 +1,16 @@
-//! Bundles of random robots and of robots of the folder give the numbers of their functions, one at a time.
+//! Fused functions of random robots and of robots of the folder give the numbers of their functions, one at a time.
 
 use modyn_codegen::plan::{Lowering, Shape};
 use modyn_codegen::trace::{LinkFrame, Tracer};
-use modyn_codegen::{Builder, Bundle, Function};
+use modyn_codegen::{Builder, Function, FusedFunction};
 use modyn_jit::{CallError, CompileError, Compiled, InstructionSet, Options};
 use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::model::Model;
 use modyn_tests::conformance::robot;
 use modyn_tests::random;
 
-/// Functions of a state and joint vectors, in bundles whose arguments machine code can have.
-const BUNDLES: &[(&str, &[Function])] = &[
+/// Functions of a state and joint vectors, in fused functions whose arguments machine code can have.
+const FUSED: &[(&str, &[Function])] = &[
     (
         "state",
         &[
@@ -35,7 +35,7 @@ const BUNDLES: &[(&str, &[Function])] = &[
             Function::LinkVelocityLocal,
             Function::JacobianLocal,
             Function::JacobianDotQdLocal,
-            Function::Normalize,
+            Function::NormalizeConfiguration,
             Function::VelocityToQdot,
             Function::Brge,
         ],
@@ -87,20 +87,20 @@ const BUNDLES: &[(&str, &[Function])] = &[
     ),
 ];
 
-/// Returns the bundles for these links, and all functions in them.
-fn bundles(links: &[&str]) -> (Vec<Bundle>, Vec<Function>) {
-    let bundle = |(name, functions): &(&str, &[Function])| {
-        let mut bundle = Bundle::new(*name);
+/// Returns the fused functions for these links, and all functions in them.
+fn fused(links: &[&str]) -> (Vec<FusedFunction>, Vec<Function>) {
+    let fused = |(name, functions): &(&str, &[Function])| {
+        let mut fused = FusedFunction::new(*name);
         for &function in *functions {
-            bundle = match function.row().by_link {
-                true => links.iter().fold(bundle, |bundle, link| bundle.of_link(function, *link)),
-                false => bundle.function(function),
+            fused = match function.row().by_link {
+                true => links.iter().fold(fused, |fused, link| fused.of_link(function, *link)),
+                false => fused.function(function),
             };
         }
-        bundle
+        fused
     };
-    let functions = BUNDLES.iter().flat_map(|(_, functions)| functions.iter().copied());
-    (BUNDLES.iter().map(bundle).collect(), functions.collect())
+    let functions = FUSED.iter().flat_map(|(_, functions)| functions.iter().copied());
+    (FUSED.iter().map(fused).collect(), functions.collect())
 }
 
 /// Returns the numbers of an argument.
@@ -124,18 +124,18 @@ fn close(name: &str, found: &[f64], expected: &[f64]) {
     }
 }
 
-/// Compares the bundles of a robot with their functions, with all instruction sets, for one state and for many.
+/// Compares the fused functions of a robot with their functions, with all instruction sets, for one state and for many.
 fn agrees(model: &Model, links: &[&str], configure: impl Fn(Builder) -> Builder) {
-    let (bundles, functions) = bundles(links);
-    let builder = Builder::new().model(model.clone()).functions(functions).bundles(bundles);
+    let (fused, functions) = fused(links);
+    let builder = Builder::new().model(model.clone()).functions(functions).fused(fused);
     let planning = configure(builder).plan().expect("good");
     for instruction_set in InstructionSet::available() {
         let mut options = Options::default();
         (options.instruction_set, options.batches) = (Some(instruction_set), true);
         let compiled = Compiled::<f64>::from_plan(&planning, options).expect("code");
-        assert!(compiled.bundles().eq(BUNDLES.iter().map(|(name, _)| *name)));
-        for (name, functions) in BUNDLES {
-            let call = compiled.bundle(name).expect("compiled");
+        assert!(compiled.fused_names().eq(FUSED.iter().map(|(name, _)| *name)));
+        for (name, functions) in FUSED {
+            let call = compiled.fused(name).expect("compiled");
             let given: Vec<(&str, Vec<f64>)> = (call.arguments().iter())
                 .map(|(name, shape)| (*name, argument(name, shape, model)))
                 .collect();
@@ -181,12 +181,12 @@ fn agrees(model: &Model, links: &[&str], configure: impl Fn(Builder) -> Builder)
     }
 }
 
-/// The graphs that functions of one link have in bundles give the numbers of the functions by themselves.
+/// The graphs that functions of one link have in fused functions give the numbers of the functions by themselves.
 #[test]
-fn graphs_in_bundles() {
+fn graphs_in_fused_functions() {
     let mut compared = 0;
     for function in Function::ALL {
-        let Some(in_bundles) = Lowering::of(*function).in_bundles else { continue };
+        let Some(in_fused) = Lowering::of(*function).in_fused else { continue };
         for seed in 0..5 {
             let model = random::general_zoo(seed, 6);
             let mechanism = Mechanism::new(&model);
@@ -197,7 +197,7 @@ fn graphs_in_bundles() {
                 let tracer = Tracer::with_link(&bare, LinkFrame::Known(frame));
                 let alone = tracer.evaluation(*function, &model, None);
                 let [found, expected] =
-                    [in_bundles(&tracer), alone].map(|graph| graph.evaluate(&inputs));
+                    [in_fused(&tracer), alone].map(|graph| graph.evaluate(&inputs));
                 close(function.name(), &found, &expected);
                 compared += 1;
             }
@@ -246,18 +246,18 @@ fn random_limbs() {
 }
 
 #[test]
-fn wrong_bundles_name_the_error() {
+fn wrong_fused_functions_name_the_error() {
     let builder = robot("arm6").functions([Function::MassMatrix]);
-    let control = Bundle::new("control").function(Function::MassMatrix);
-    let compiled = Compiled::<f64>::build(&builder.clone().bundles([control]), Options::default());
+    let control = FusedFunction::new("control").function(Function::MassMatrix);
+    let compiled = Compiled::<f64>::build(&builder.clone().fused([control]), Options::default());
     let compiled = compiled.expect("code");
-    let error = compiled.bundle("contrl").err().expect("not compiled");
+    let error = compiled.fused("contrl").err().expect("not compiled");
     assert_eq!(error.to_string(), "`contrl` was not compiled; compiled were: mass_matrix, control");
-    let error = compiled.bundle("control").expect("compiled").one(&[], &mut []).expect_err("one");
+    let error = compiled.fused("control").expect("compiled").one(&[], &mut []).expect_err("one");
     assert!(matches!(error, CallError::Arguments { function: "control", found: 0, .. }), "{error}");
     let many = [Function::ForwardDynamicsJvp, Function::Difference, Function::StepRk4];
-    let many = many.into_iter().fold(Bundle::new("many"), Bundle::function);
-    let error = Compiled::<f64>::build(&builder.bundles([many]), Options::default());
+    let many = many.into_iter().fold(FusedFunction::new("many"), FusedFunction::function);
+    let error = Compiled::<f64>::build(&builder.fused([many]), Options::default());
     let error = error.expect_err("too many arguments");
     assert!(matches!(error, CompileError::Arguments { function: "many", arrays: 9 }), "{error}");
 }

@@ -1,4 +1,4 @@
-//! Bundles as options: their names and members, and the checks that need no robot.
+//! Fused functions as options: their names and members, and the checks that need no robot.
 
 use modyn_read::diagnostics::{Code, Diagnostic, suggest};
 use modyn_runtime::model::Model;
@@ -10,25 +10,25 @@ use crate::intern::intern;
 use crate::names;
 use crate::plan::{self, Argument, BatchForm, Function, MemberFunction, Sizes, TracedFunction};
 
-/// A bundle: several functions that one call computes, with their common work done once.
+/// A fused function: several functions that one call computes, with their common work done once.
 ///
 /// ```
-/// use modyn_codegen::{Builder, Bundle, Function};
+/// use modyn_codegen::{Builder, FusedFunction, Function};
 ///
-/// let control = Bundle::new("control")
+/// let control = FusedFunction::new("control")
 ///     .function(Function::MassMatrix)
 ///     .function(Function::BiasForces)
 ///     .of_link(Function::Jacobian, "hand");
-/// let builder = Builder::new().urdf("arm.urdf").bundles([control]);
+/// let builder = Builder::new().urdf("arm.urdf").fused([control]);
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Bundle {
+pub struct FusedFunction {
     name: String,
     members: Vec<Member>,
     batch: bool,
 }
 
-/// A function in a bundle.
+/// A function in a fused function.
 #[derive(Clone, Debug, PartialEq, Eq)]
 enum Member {
     /// A function of the table, and the name of the link of a function of one link.
@@ -37,17 +37,17 @@ enum Member {
     User(String),
 }
 
-/// An error of a bundle, and its remedy.
+/// An error of a fused function, and its remedy.
 struct Defect {
-    /// The member with the error, by its index; `None` for the name or the whole bundle.
+    /// The member with the error, by its index; `None` for the name or the whole fused function.
     member: Option<usize>,
     message: String,
     help: String,
 }
 
-impl Bundle {
-    /// Returns a bundle without functions. The generated function has this name, in snake case; the
-    /// name of the result's type follows from it.
+impl FusedFunction {
+    /// Returns a fused function without functions. The generated function has this name, in snake
+    /// case; the name of the result's type follows from it.
     #[must_use]
     pub fn new(name: impl Into<String>) -> Self {
         Self { name: name.into(), members: Vec::new(), batch: false }
@@ -77,7 +77,7 @@ impl Bundle {
         self
     }
 
-    /// Adds the form of the bundle for many states.
+    /// Adds the form of the fused function for many states.
     #[must_use]
     pub fn batch(mut self) -> Self {
         self.batch = true;
@@ -109,7 +109,8 @@ impl Bundle {
                 let help = match same == member {
                     true => "name it once",
                     false => {
-                        "their links have the same name in snake case: put them in two bundles"
+                        "their links have the same name in snake case: put them in two fused \
+                         functions"
                     }
                 };
                 Some((
@@ -122,30 +123,33 @@ impl Bundle {
         defects
     }
 
-    /// Returns the error of the bundle's name.
+    /// Returns the error of the fused function's name.
     fn name_defect(&self) -> Option<Defect> {
-        let (message, help) = name_defect(&self.name, "bundle")?;
+        let (message, help) = name_defect(&self.name, "fused function")?;
         Some(Defect { member: None, message, help })
     }
 
-    /// Returns the errors of a bundle that no robot is needed to find.
+    /// Returns the errors of a fused function that no robot is needed to find.
     pub(crate) fn errors(&self) -> Vec<Diagnostic> {
         let defects = self.defects().into_iter();
         defects.map(|Defect { message, help, .. }| self.error(message, help)).collect()
     }
 
-    /// Returns the bundle's name.
+    /// Returns the fused function's name.
     pub(crate) fn names(&self) -> OwnNames {
-        OwnNames { owner: format!("bundle `{}`", self.name), names: vec![self.name.clone()] }
+        OwnNames {
+            owner: format!("fused function `{}`", self.name),
+            names: vec![self.name.clone()],
+        }
     }
 
     fn error(&self, message: String, help: String) -> Diagnostic {
-        let message = format!("bundle `{}`: {message}", self.name);
+        let message = format!("fused function `{}`: {message}", self.name);
         Diagnostic::error(Code::Option, message).with_help(help)
     }
 
-    /// Returns the bundle of a robot with these functions of the user; `None` if these are not
-    /// known because of errors.
+    /// Returns the fused function of a robot with these functions of the user; `None` if these are
+    /// not known because of errors.
     ///
     /// # Errors
     ///
@@ -155,7 +159,7 @@ impl Bundle {
         &self,
         model: &Model,
         user_functions: Option<&[TracedFunction]>,
-    ) -> Result<plan::Bundle, Vec<Diagnostic>> {
+    ) -> Result<plan::FusedFunction, Vec<Diagnostic>> {
         let mut members = Vec::new();
         let mut errors = Vec::new();
         for member in &self.members {
@@ -174,8 +178,8 @@ impl Bundle {
         let conflict = conflict(&members, &Sizes::new(model, 0));
         errors.extend(conflict.map(|(message, help)| self.error(message, help)));
         let name = intern(&self.name);
-        let bundle = plan::Bundle { name, members, batch: self.batch };
-        if errors.is_empty() { Ok(bundle) } else { Err(errors) }
+        let fused = plan::FusedFunction { name, members, batch: self.batch };
+        if errors.is_empty() { Ok(fused) } else { Err(errors) }
     }
 }
 
@@ -191,8 +195,8 @@ impl Member {
         }
     }
 
-    /// Returns the error and its remedy that no robot is needed to find, in a bundle for many
-    /// states if `batch`.
+    /// Returns the error and its remedy that no robot is needed to find, in a fused function for
+    /// many states if `batch`.
     fn defect(&self, batch: bool) -> Option<(String, String)> {
         let Self::Table(function, link) = self else { return None };
         let row = function.row();
@@ -201,7 +205,7 @@ impl Member {
         if let Some(one) = row.batch_of {
             let message = format!("`{name}` is a function of many states");
             let help = format!(
-                "write `{}`; a bundle `name: batch(..)` has a form for many states",
+                "write `{}`; a fused function `name: batch(..)` has a form for many states",
                 one.name()
             );
             return Some((message, help));
@@ -222,8 +226,8 @@ impl Member {
             _ => {}
         }
         if batch && *function == Function::Brge {
-            let message =
-                "`brge` has no form for many states in a bundle, since its factors are private";
+            let message = "`brge` has no form for many states in a fused function, since its \
+                factors are private";
             return refusal(message.into(), "take the function `brge_batch`, or leave out `batch`");
         }
         let other =
@@ -234,8 +238,8 @@ impl Member {
         refusal(message, "leave it out, or leave out `batch`")
     }
 
-    /// Returns the member of a robot's bundle for a function of the table, or the error and its
-    /// remedy.
+    /// Returns the member of a robot's fused function for a function of the table, or the error and
+    /// its remedy.
     fn of_table(
         &self,
         function: Function,
@@ -254,7 +258,8 @@ impl Member {
             return Err((format!("only {robots} have the function `{name}`"), help.into()));
         }
         if function.row().has_solver {
-            let message = format!("`{name}` is no member of a bundle, since its solver is a loop");
+            let message =
+                format!("`{name}` is no member of a fused function, since its solver is a loop");
             return Err((message, "leave it out, and call it by itself".into()));
         }
         let frames = || model.frames().iter().map(|frame| frame.name.as_str());
@@ -282,7 +287,8 @@ impl Member {
         })
     }
 
-    /// Returns the member of a robot's bundle for a user's function, or the error and its remedy.
+    /// Returns the member of a robot's fused function for a user's function, or the error and its
+    /// remedy.
     fn of_user(
         &self,
         name: &str,
@@ -310,7 +316,7 @@ impl Member {
 }
 
 /// `"name": (function, function("link"), ...)`, or `"name": batch(...)`
-impl OptionValue for Bundle {
+impl OptionValue for FusedFunction {
     fn read(value: &Value) -> Result<Self, OptionError> {
         let expected = "expected `name: (function, function(\"link\"), ...)`, or `name: \
                         batch(...)` for many states as well";
@@ -344,18 +350,21 @@ impl OptionValue for Bundle {
             Ok(Member::Table(function, link))
         };
         let members = items.iter().map(member).collect::<Result<Vec<_>, OptionError>>()?;
-        let bundle = Self { name, members, batch };
-        match bundle.defects().into_iter().next() {
-            None => Ok(bundle),
+        let fused = Self { name, members, batch };
+        match fused.defects().into_iter().next() {
+            None => Ok(fused),
             Some(Defect { member, message, help }) => {
                 let at = member.map_or(value.at, |i| items[i].at);
-                Err(OptionError::new(at, format!("bundle `{}`: {message}; {help}", bundle.name)))
+                Err(OptionError::new(
+                    at,
+                    format!("fused function `{}`: {message}; {help}", fused.name),
+                ))
             }
         }
     }
 
     fn rust(&self) -> String {
-        let mut text = format!("Bundle::new({:?})", self.name);
+        let mut text = format!("FusedFunction::new({:?})", self.name);
         for member in &self.members {
             text += &match member {
                 Member::Table(function, None) => format!(".function(Function::{function:?})"),
@@ -380,12 +389,12 @@ fn conflict(members: &[plan::Member], sizes: &Sizes) -> Option<(String, String)>
             let name = arguments.iter().find(differs)?.name;
             let message =
                 format!("{} and {} have different arguments `{name}`", other.docs, member.docs);
-            Some((message, "put them in two bundles".into()))
+            Some((message, "put them in two fused functions".into()))
         })
     })
 }
 
-/// Returns the message that no function of a bundle has this name.
+/// Returns the message that no function of a fused function has this name.
 fn unknown(name: &str) -> String {
     let known: Vec<&str> = (Function::ALL.iter())
         .filter(|function| function.batched().is_none() && !function.is_of_random_numbers())
@@ -393,6 +402,9 @@ fn unknown(name: &str) -> String {
         .collect();
     match suggest(name, known.iter().copied()) {
         Some(meant) => format!("there is no function `{name}`; did you mean `{meant}`?"),
-        None => format!("there is no function `{name}`; a bundle can have: {}", known.join(", ")),
+        None => format!(
+            "there is no function `{name}`; a fused function can have: {}",
+            known.join(", ")
+        ),
     }
 }

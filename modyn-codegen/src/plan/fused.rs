@@ -1,11 +1,11 @@
-//! Bundles: several functions in one, whose common work is done once.
+//! Fused functions: several functions in one, whose common work is done once.
 //!
-//! The graph of a bundle is the union of the graphs of its members, traced over the same inputs:
-//! the arguments of all members by name, each once, then the run-time parameters. Equal nodes of
-//! the graphs are one node of the union.
+//! The graph of a fused function is the union of the graphs of its members, traced over the same
+//! inputs: the arguments of all members by name, each once, then the run-time parameters. Equal
+//! nodes of the graphs are one node of the union.
 //!
 //! A function of one link may have a second graph that shares more with the other members
-//! (`in_bundles`); the smallest union wins.
+//! (`in_fused`); the smallest union wins.
 
 use std::collections::BTreeMap;
 
@@ -20,18 +20,18 @@ use crate::intern::intern;
 use crate::names;
 use crate::trace::Tracer;
 
-/// A bundle of functions.
+/// A fused function.
 #[derive(Clone, Debug)]
-pub struct Bundle {
+pub struct FusedFunction {
     /// The name, in snake case.
     pub name: &'static str,
     /// The functions, in the order of the result.
     pub members: Vec<Member>,
-    /// Whether the bundle also has its form for many states.
+    /// Whether the fused function also has its form for many states.
     pub batch: bool,
 }
 
-/// A function in a bundle.
+/// A function in a fused function.
 #[derive(Clone, Debug)]
 pub struct Member {
     /// The function, one of a single state.
@@ -101,7 +101,7 @@ impl Member {
     }
 }
 
-impl Bundle {
+impl FusedFunction {
     /// Returns the arguments of all members, each once: the table's arguments, then other arguments
     /// of users' functions.
     pub(super) fn arguments(&self) -> Vec<Argument> {
@@ -121,7 +121,7 @@ impl Bundle {
     pub(super) fn result(&self, sizes: &Sizes) -> Shape {
         let field = |member: &Member| (member.field, member.function.result(sizes));
         let name = intern(&names::type_name(self.name));
-        Shape::Record(Record::Bundle(name), self.members.iter().map(field).collect())
+        Shape::Record(Record::Fused(name), self.members.iter().map(field).collect())
     }
 
     /// Returns whether a member of the table has this property.
@@ -146,7 +146,7 @@ impl Bundle {
     /// Returns the documentation of the form for one state.
     pub(super) fn docs(&self) -> &'static str {
         let members: Vec<&str> = self.members.iter().map(|member| member.docs).collect();
-        let (last, others) = members.split_last().expect("a bundle has members");
+        let (last, others) = members.split_last().expect("a fused function has members");
         let list = match others {
             [] => (*last).to_string(),
             _ => format!("{} and {last}", others.join(", ")),
@@ -156,10 +156,10 @@ impl Bundle {
     }
 }
 
-/// The graphs of a bundle on scalars. A function of one link, or of a user, may have several
-/// graphs; the choice of the smallest union is made here.
+/// The graphs of a fused function on scalars. A function of one link, or of a user, may have
+/// several graphs; the choice of the smallest union is made here.
 pub(super) struct Graphs<'a> {
-    bundle: &'a Bundle,
+    fused: &'a FusedFunction,
     /// The inputs of each argument: the first, and their number.
     inputs: BTreeMap<&'static str, (usize, usize)>,
     /// The inputs of all arguments and run-time parameters.
@@ -172,10 +172,14 @@ pub(super) struct Graphs<'a> {
 
 impl<'a> Graphs<'a> {
     /// Traces the members; `parameters` is the number of run-time parameters.
-    pub(super) fn new(bundle: &'a Bundle, context: &PlanContext<'_>, parameters: usize) -> Self {
+    pub(super) fn new(
+        fused: &'a FusedFunction,
+        context: &PlanContext<'_>,
+        parameters: usize,
+    ) -> Self {
         let mut inputs = BTreeMap::new();
         let mut arguments = 0;
-        for argument in bundle.arguments() {
+        for argument in fused.arguments() {
             let length = argument.shape(&context.sizes).len();
             inputs.insert(argument.name, (arguments, length));
             arguments += length;
@@ -184,7 +188,7 @@ impl<'a> Graphs<'a> {
             let (function, link) = match &member.function {
                 MemberFunction::Table { function, link } => (*function, *link),
                 MemberFunction::User { form, .. } => {
-                    return [Some(&form.graph), form.in_bundles.as_ref()]
+                    return [Some(&form.graph), form.in_fused.as_ref()]
                         .into_iter()
                         .flatten()
                         .cloned()
@@ -193,13 +197,13 @@ impl<'a> Graphs<'a> {
             };
             let Some(link) = link else { return vec![context.graph(function, &context.tracer)] };
             let evaluation = |tracer: &Tracer<'_>| context.evaluation(function, tracer);
-            let in_bundles = Lowering::of(function).in_bundles;
-            let other = in_bundles.map(|trace| context.frames.of_link(link, trace));
+            let in_fused = Lowering::of(function).in_fused;
+            let other = in_fused.map(|trace| context.frames.of_link(link, trace));
             [context.frames.of_link(link, evaluation)].into_iter().chain(other).collect()
         };
-        let candidates: Vec<Vec<Graph>> = bundle.members.iter().map(graphs).collect();
+        let candidates: Vec<Vec<Graph>> = fused.members.iter().map(graphs).collect();
         let count = arguments + parameters;
-        let mut all = Self { bundle, inputs, count, arguments, members: Vec::new() };
+        let mut all = Self { fused, inputs, count, arguments, members: Vec::new() };
         all.members = all.cheapest(candidates);
         all
     }
@@ -242,7 +246,7 @@ impl<'a> Graphs<'a> {
     /// packed graph of a member, if it has one; `None` if no member has one.
     pub(super) fn packed(&self, packed: impl Fn(Function) -> Option<Graph>) -> Option<Graph> {
         let packed: Vec<Option<Graph>> = self
-            .bundle
+            .fused
             .members
             .iter()
             .map(|member| member.function.of_table().and_then(&packed))
@@ -259,7 +263,7 @@ impl<'a> Graphs<'a> {
         let mut union = Graph::default();
         let inputs = union.inputs(0..self.count);
         let mut outputs = Vec::new();
-        for (member, graph) in self.bundle.members.iter().zip(members) {
+        for (member, graph) in self.fused.members.iter().zip(members) {
             let own_inputs = member.function.arguments().iter().flat_map(|argument| {
                 let (first, length) = self.inputs[argument.name];
                 &inputs[first..first + length]
