@@ -72,14 +72,12 @@ int main(int, char **arguments) {
             data.M.triangularView<Eigen::StrictlyLower>() = data.M.transpose().triangularView<Eigen::StrictlyLower>();
             return data.M;
         });
-    // Pinocchio's rows are linear, then angular.
-    Eigen::Matrix<double, 6, Eigen::Dynamic> theirs(6, 7), swapped(6, 7);
+    Eigen::Matrix<double, 6, Eigen::Dynamic> theirs(6, 7);
     agrees &= compare("Jacobian of the hand", states,
         [](const State &s) { return Arm7::jacobian(s.q, Arm7::Link::grasp_point); },
         [&](const State &s) -> const Eigen::Matrix<double, 6, Eigen::Dynamic> & {
             pinocchio::computeFrameJacobian(model, data, s.q, hand, pinocchio::LOCAL_WORLD_ALIGNED, theirs);
-            swapped << theirs.bottomRows<3>(), theirs.topRows<3>();
-            return swapped;
+            return theirs;
         });
     return agrees ? 0 : 1;
 }

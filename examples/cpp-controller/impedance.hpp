@@ -30,8 +30,8 @@ public:
         const Eigen::Matrix<double, 6, 1> velocity = jacobian * qd;
         const Eigen::AngleAxisd turn(Eigen::Matrix3d(target.pose.rotation * hand.rotation.transpose()));
         Eigen::Matrix<double, 6, 1> wrench;
-        wrench << gains.angular_stiffness * turn.angle() * turn.axis() - gains.angular_damping * velocity.head<3>(),
-            gains.stiffness * (target.pose.translation - hand.translation) + gains.damping * (target.velocity - velocity.tail<3>());
+        wrench << gains.stiffness * (target.pose.translation - hand.translation) + gains.damping * (target.velocity - velocity.head<3>()),
+            gains.angular_stiffness * turn.angle() * turn.axis() - gains.angular_damping * velocity.tail<3>();
         return jacobian.transpose() * wrench + Arm7::bias_forces(q, qd) - gains.joint_damping * qd;
     }
 

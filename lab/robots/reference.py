@@ -122,7 +122,7 @@ class Reference:
             number = self.model.getJointId(joint.name if self.model.existJointName(joint.name) else "root_joint")
             pose = self.data.oMi[number]
             velocity = pinocchio.getVelocity(self.model, self.data, number, pinocchio.LOCAL_WORLD_ALIGNED)
-            rows.append(numpy.concatenate([pose.rotation.ravel(), pose.translation, velocity.angular, velocity.linear]))
+            rows.append(numpy.concatenate([pose.rotation.ravel(), pose.translation, velocity.linear, velocity.angular]))
         return numpy.array(rows)
 
     def evaluate(self, q, qd, tau):

@@ -86,7 +86,7 @@ fn run(folder: &Path, text: &str, main: &str) -> Vec<f64> {
 fn main_of(scalar: &str) -> String {
     format!(
         "let (q, qd, qdd): ([{scalar}; 3], [{scalar}; 3], [{scalar}; 3]) = ({Q:?}, {QD:?}, {QDD:?});
-         let twist = |t: runtime::spatial::Twist<{scalar}>| t.angular.0.iter().chain(&t.linear.0).for_each(|x| println!(\"{{x:?}}\"));
+         let twist = |t: runtime::spatial::Twist<{scalar}>| t.components().iter().for_each(|x| println!(\"{{x:?}}\"));
          let pose = |p: runtime::spatial::Pose<{scalar}>| p.rotation.iter().flatten().chain(&p.translation).for_each(|x| println!(\"{{x:?}}\"));
          for p in Comb::link_poses(&q) {{ pose(p) }}
          for link in CombLink::ALL {{

@@ -486,7 +486,7 @@ fn what_parts_changes_as_its_rate_says() {
         let [before, after] = [there(-1.0), there(1.0)];
         let [_, velocities] = errors(&mut interpreter, &q, &qd);
         // Angular displacements are no vectors: their derivative is the velocity only near zero.
-        for (i, expected) in velocities.iter().enumerate().filter(|(i, _)| i % 6 >= 3) {
+        for (i, expected) in velocities.iter().enumerate().filter(|(i, _)| i % 6 < 3) {
             let slope = (after[0][i] - before[0][i]) / (2.0 * step);
             assert!((slope - expected).abs() < 1e-5, "{i}: {slope} instead of {expected}");
         }
@@ -560,7 +560,7 @@ fn forces_close(model: Model) {
                     x * force[1] - y * force[0],
                 ];
                 let six = std::array::from_fn(|i| {
-                    sign * if i < 3 { moment[i] + lever[i] } else { force[i - 3] }
+                    sign * if i < 3 { force[i] } else { moment[i - 3] + lever[i - 3] }
                 });
                 wrenches[frame] += Wrench::from_components(six);
             }

@@ -283,7 +283,7 @@ fn carrying(walker: &mut Interpreter<f64>) -> Vec<[f64; 6]> {
             found,
         )
         .expect("the lengths fit");
-    let numbers = |w: &Wrench<f64>| [w.moment.0, w.force.0].concat().try_into().expect("six");
+    let numbers = |w: &Wrench<f64>| w.components();
     wrenches.iter().map(numbers).collect()
 }
 
@@ -305,7 +305,7 @@ fn lengths_of_contacts_follow_the_description() {
         let found = difference(&set, &described);
         assert!(if is_same { found < 1e-10 } else { found > 1e-4 }, "{found}");
         // The soles together carry the same force.
-        let force = |all: &[[f64; 6]]| [3, 4, 5].map(|k| all.iter().map(|w| w[k]).sum::<f64>());
+        let force = |all: &[[f64; 6]]| [0, 1, 2].map(|k| all.iter().map(|w| w[k]).sum::<f64>());
         for (a, b) in force(&set).iter().zip(force(&described)) {
             assert!((a - b).abs() < 1e-10, "{a} is not {b}");
         }

@@ -70,7 +70,7 @@ fn forces(q: array<f32, 19>, qd: array<f32, 18>, u: array<f32, 12>, step: u32) -
     for (var j = 0; j < 12; j++) {
         tau[6 + j] = clamp(8.0 * (goals[j] - coordinates[7 + j]) - 0.2 * rates[6 + j], -2.7, 2.7);
     }
-    // A pose (9 numbers of its rotation, 3 of its translation), then 18 columns of 3 angular and 3 linear numbers.
+    // A pose (9 numbers of its rotation, 3 of its translation), then 18 columns of 3 linear and 3 angular numbers.
     var feet = quadruped_feet(q);
     for (var foot = 0; foot < 4; foot++) {
         let first = 120 * foot;
@@ -78,14 +78,14 @@ fn forces(q: array<f32, 19>, qd: array<f32, 18>, u: array<f32, 12>, step: u32) -
         if (depth > 0.0) {
             var velocity = vec3<f32>(0.0);
             for (var j = 0; j < 18; j++) {
-                let k = first + 12 + 6 * j + 3;
+                let k = first + 12 + 6 * j;
                 velocity += vec3<f32>(feet[k], feet[k + 1], feet[k + 2]) * rates[j];
             }
             let normal = max(2000.0 * depth - 20.0 * velocity.z, 0.0);
             let speed = max(length(velocity.xy), 1e-6);
             let force = vec3<f32>(-velocity.xy * min(20.0, 0.7 * normal / speed), normal);
             for (var j = 0; j < 18; j++) {
-                let k = first + 12 + 6 * j + 3;
+                let k = first + 12 + 6 * j;
                 tau[j] += dot(vec3<f32>(feet[k], feet[k + 1], feet[k + 2]), force);
             }
         }

@@ -42,8 +42,8 @@ use crate::robot::{Robot, Source};
 
 /// Reads the robot of a file: URDF, xacro, SDF or MJCF.
 ///
-/// The keyword arguments are modyn's options about a robot: `gravity`, `base`, `mimic`, `rotors`,
-/// `loops`, `contacts`, `ground`, `actuators`, `joint_friction`, `unphysical_inertia`,
+/// The keyword arguments are modyn's options about a robot: `gravity`, `base`, `mimic`, `armature`,
+/// `rotors`, `loops`, `contacts`, `ground`, `actuators`, `joint_friction`, `unphysical_inertia`,
 /// `unsupported_forces`, `packages`, `xacro_args`, `fused`, `modules`, `scalar`, `runtime_gravity`,
 /// `runtime_inertia` and `payload`; with `machine_code=False`, functions are evaluated instead of
 /// compiled.

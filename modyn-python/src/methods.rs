@@ -143,8 +143,8 @@ impl Robot {
     /// Returns the joint accelerations under `tau` and a wrench on each link (in the order of
     /// `link_names`), at the link's origin in the link's own axes.
     ///
-    /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `forces`: (links, 6), moments before
-    /// forces.
+    /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `forces`: (links, 6), forces before
+    /// moments.
     /// Result: (nv,). Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, tau, forces, *, out=None))]
     fn forward_dynamics_external_local<'py>(
@@ -162,8 +162,8 @@ impl Robot {
     /// Returns the joint accelerations under `tau` and a wrench on each link (in the order of
     /// `link_names`), at the link's origin in world axes.
     ///
-    /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `forces`: (links, 6), moments before
-    /// forces.
+    /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `forces`: (links, 6), forces before
+    /// moments.
     /// Result: (nv,). Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, tau, forces, *, out=None))]
     fn forward_dynamics_external<'py>(
@@ -181,8 +181,8 @@ impl Robot {
     /// Returns the joint forces of `qdd` under a wrench on each link (in the order of
     /// `link_names`), at the link's origin in the link's own axes.
     ///
-    /// Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,); `forces`: (links, 6), moments before
-    /// forces.
+    /// Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,); `forces`: (links, 6), forces before
+    /// moments.
     /// Result: (nv,). Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, qdd, forces, *, out=None))]
     fn inverse_dynamics_external_local<'py>(
@@ -200,8 +200,8 @@ impl Robot {
     /// Returns the joint forces of `qdd` under a wrench on each link (in the order of
     /// `link_names`), at the link's origin in world axes.
     ///
-    /// Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,); `forces`: (links, 6), moments before
-    /// forces.
+    /// Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,); `forces`: (links, 6), forces before
+    /// moments.
     /// Result: (nv,). Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, qdd, forces, *, out=None))]
     fn inverse_dynamics_external<'py>(
@@ -220,7 +220,7 @@ impl Robot {
     /// `link_names`), at the link's origin in the link's own axes, and their derivative with
     /// respect to `q` (in tangent space). The wrenches rotate with their links.
     ///
-    /// Arguments: `q`: (nq,); `forces`: (links, 6), moments before forces.
+    /// Arguments: `q`: (nq,); `forces`: (links, 6), forces before moments.
     /// Result: `GeneralizedForces`: `tau` (nv,), `dq` (nv, nv). Several states have one more axis,
     /// the first.
     #[pyo3(signature = (q, forces, *, out=None))]
@@ -238,7 +238,7 @@ impl Robot {
     /// `link_names`), at the link's origin in world axes, and their derivative with respect to `q`
     /// (in tangent space). The wrenches keep their directions.
     ///
-    /// Arguments: `q`: (nq,); `forces`: (links, 6), moments before forces.
+    /// Arguments: `q`: (nq,); `forces`: (links, 6), forces before moments.
     /// Result: `GeneralizedForces`: `tau` (nv,), `dq` (nv, nv). Several states have one more axis,
     /// the first.
     #[pyo3(signature = (q, forces, *, out=None))]
@@ -563,7 +563,7 @@ impl Robot {
     /// contacts, or (contacts,), 1 for each active one, else 0; by default all are; `settings`:
     /// `ConstraintSettings`, by default with the ground at z = 0 under all contacts.
     /// Result: `ConstrainedForwardDynamics`: `qdd` (nv,), `wrenches` (constraints, 6), `residuals`
-    /// (constraints, 6), `rank` a number, angular before linear components. Several states have one
+    /// (constraints, 6), `rank` a number, linear before angular components. Several states have one
     /// more axis, the first.
     #[pyo3(signature = (q, qd, tau, contacts=None, settings=None, *, out=None))]
     fn constrained_forward_dynamics<'py>(
@@ -587,7 +587,7 @@ impl Robot {
     /// Arguments: `q`: (nq,); `qd`: (nv,); `settings`: `ConstraintSettings`, by default with the
     /// ground at z = 0 under all contacts.
     /// Result: `ConstraintResidual`: `displacements` (constraints, 6), `velocities` (constraints,
-    /// 6), angular before linear components. Several states have one more axis, the first.
+    /// 6), linear before angular components. Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, settings=None, *, out=None))]
     fn constraint_residual<'py>(
         &self,
@@ -634,7 +634,7 @@ impl Robot {
     /// Result: `ConstrainedForwardDynamicsDerivatives`: `qdd` (nv,), `wrenches` (constraints, 6),
     /// `dq` (nv, nv), `dqd` (nv, nv), `dtau` (nv, nv), `wrenches_dq` (constraints, 6, nv),
     /// `wrenches_dqd` (constraints, 6, nv), `wrenches_dtau` (constraints, 6, nv), `rank` a number,
-    /// moments before forces. Several states have one more axis, the first.
+    /// forces before moments. Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, tau, contacts=None, settings=None, *, out=None))]
     fn constrained_forward_dynamics_derivatives<'py>(
         &self,
@@ -656,12 +656,12 @@ impl Robot {
     /// Weights of wrenches need independent rows, or compliance.
     ///
     /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `cotangent`: (nv,); `wrench_cotangent`:
-    /// (constraints, 6), moments before forces; `contacts`: the names of the active contacts, or
+    /// (constraints, 6), forces before moments; `contacts`: the names of the active contacts, or
     /// (contacts,), 1 for each active one, else 0; by default all are; `settings`:
     /// `ConstraintSettings`, by default with the ground at z = 0 under all contacts.
     /// Result: `ConstrainedForwardDynamicsHessian`: `qdd` (nv,), `wrenches` (constraints, 6), `dq`
     /// (nv,), `dqd` (nv,), `dtau` (nv,), `dq_dq` (nv, nv), `dq_dqd` (nv, nv), `dqd_dqd` (nv, nv),
-    /// `dq_dtau` (nv, nv), `rank` a number, moments before forces. Several states have one more
+    /// `dq_dtau` (nv, nv), `rank` a number, forces before moments. Several states have one more
     /// axis, the first.
     #[pyo3(signature = (q, qd, tau, cotangent, wrench_cotangent, contacts=None, settings=None, *, out=None))]
     fn constrained_forward_dynamics_hessian<'py>(
@@ -687,8 +687,8 @@ impl Robot {
     /// Arguments: `q`: (nq,); `qd`: (nv,); `contacts`: the names of the active contacts, or
     /// (contacts,), 1 for each active one, else 0; by default all are; `settings`:
     /// `ConstraintSettings`, by default with the ground at z = 0 under all contacts.
-    /// Result: `ImpactDynamics`: `qd` (nv,), `impulses` (constraints, 6), `rank` a number, moments
-    /// before forces. Several states have one more axis, the first.
+    /// Result: `ImpactDynamics`: `qd` (nv,), `impulses` (constraints, 6), `rank` a number, forces
+    /// before moments. Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, contacts=None, settings=None, *, out=None))]
     fn impact_dynamics<'py>(
         &self,
@@ -965,7 +965,7 @@ impl Robot {
     /// contacts, or (contacts,), 1 for each active one, else 0; by default all are; `settings`:
     /// `ConstraintSettings`, by default with the ground at z = 0 under all contacts.
     /// Result: `ConstrainedInverseDynamics`: `tau` (nv,), `wrenches` (constraints, 6), `rank` a
-    /// number, moments before forces. Several states have one more axis, the first.
+    /// number, forces before moments. Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, qdd, contacts=None, settings=None, *, out=None))]
     fn constrained_inverse_dynamics<'py>(
         &self,
@@ -986,7 +986,7 @@ impl Robot {
     /// world axes.
     ///
     /// Arguments: `q`: (nq,).
-    /// Result: (constraints, 6, nv), angular before linear components. Several states have one more
+    /// Result: (constraints, 6, nv), linear before angular components. Several states have one more
     /// axis, the first.
     #[pyo3(signature = (q, *, out=None))]
     fn constraint_jacobian<'py>(
@@ -1002,7 +1002,7 @@ impl Robot {
     /// `constraint_jacobian` times `qd`, in the same axes.
     ///
     /// Arguments: `q`: (nq,); `qd`: (nv,).
-    /// Result: (constraints, 6), angular before linear components. Several states have one more
+    /// Result: (constraints, 6), linear before angular components. Several states have one more
     /// axis, the first.
     #[pyo3(signature = (q, qd, *, out=None))]
     fn constraint_jacobian_dot_qd<'py>(
@@ -1090,7 +1090,7 @@ impl Robot {
     /// described.
     ///
     /// Arguments: `q`: (nq,).
-    /// Result: (6, nv), angular before linear components. Several states have one more axis, the
+    /// Result: (6, nv), linear before angular components. Several states have one more axis, the
     /// first.
     #[pyo3(signature = (q, *, out=None))]
     fn centroidal_momentum_matrix<'py>(
@@ -1107,7 +1107,7 @@ impl Robot {
     /// centre of mass.
     ///
     /// Arguments: `q`: (nq,).
-    /// Result: (6, 6), angular before linear components. Several states have one more axis, the
+    /// Result: (6, 6), linear before angular components. Several states have one more axis, the
     /// first.
     #[pyo3(signature = (q, *, out=None))]
     fn centroidal_composite_inertia<'py>(
@@ -1123,7 +1123,7 @@ impl Robot {
     /// Armatures have energy, but no momentum: their axes are not described.
     ///
     /// Arguments: `q`: (nq,); `qd`: (nv,).
-    /// Result: (6,), angular before linear components. Several states have one more axis, the
+    /// Result: (6,), linear before angular components. Several states have one more axis, the
     /// first.
     #[pyo3(signature = (q, qd, *, out=None))]
     fn centroidal_momentum<'py>(
@@ -1141,7 +1141,7 @@ impl Robot {
     /// 0 it is the bias A' qd, with the centroidal momentum matrix A.
     ///
     /// Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,).
-    /// Result: (6,), angular before linear components. Several states have one more axis, the
+    /// Result: (6,), linear before angular components. Several states have one more axis, the
     /// first.
     #[pyo3(signature = (q, qd, qdd, *, out=None))]
     fn centroidal_momentum_rate<'py>(
@@ -1162,7 +1162,7 @@ impl Robot {
     ///
     /// Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,).
     /// Result: `CentroidalMomentumDerivatives`: `momentum` (6,), `rate` (6,), `momentum_dq` (6,
-    /// nv), `rate_dq` (6, nv), `rate_dqd` (6, nv), angular before linear components. Several states
+    /// nv), `rate_dq` (6, nv), `rate_dqd` (6, nv), linear before angular components. Several states
     /// have one more axis, the first.
     #[pyo3(signature = (q, qd, qdd, *, out=None))]
     fn centroidal_momentum_derivatives<'py>(
@@ -1213,7 +1213,7 @@ impl Robot {
     ///
     /// Arguments: `q`: (nq,); `qd`: (nv,); `link`: the name of a link, or its index in
     /// `link_names`.
-    /// Result: (6,), angular before linear components. Several states have one more axis, the
+    /// Result: (6,), linear before angular components. Several states have one more axis, the
     /// first.
     #[pyo3(signature = (q, qd, link, *, out=None))]
     fn link_velocity<'py>(
@@ -1232,7 +1232,7 @@ impl Robot {
     ///
     /// Arguments: `q`: (nq,); `qd`: (nv,); `link`: the name of a link, or its index in
     /// `link_names`.
-    /// Result: (6,), angular before linear components. Several states have one more axis, the
+    /// Result: (6,), linear before angular components. Several states have one more axis, the
     /// first.
     #[pyo3(signature = (q, qd, link, *, out=None))]
     fn link_velocity_local<'py>(
@@ -1251,7 +1251,7 @@ impl Robot {
     ///
     /// Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,); `link`: the name of a link, or its index
     /// in `link_names`.
-    /// Result: (6,), angular before linear components. Several states have one more axis, the
+    /// Result: (6,), linear before angular components. Several states have one more axis, the
     /// first.
     #[pyo3(signature = (q, qd, qdd, link, *, out=None))]
     fn link_acceleration<'py>(
@@ -1272,7 +1272,7 @@ impl Robot {
     ///
     /// Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,); `link`: the name of a link, or its index
     /// in `link_names`.
-    /// Result: (6,), angular before linear components. Several states have one more axis, the
+    /// Result: (6,), linear before angular components. Several states have one more axis, the
     /// first.
     #[pyo3(signature = (q, qd, qdd, link, *, out=None))]
     fn link_acceleration_local<'py>(
@@ -1291,7 +1291,7 @@ impl Robot {
     /// origin, in world axes. Computes the link's kinematic path only.
     ///
     /// Arguments: `q`: (nq,); `link`: the name of a link, or its index in `link_names`.
-    /// Result: (6, nv), angular before linear components. Several states have one more axis, the
+    /// Result: (6, nv), linear before angular components. Several states have one more axis, the
     /// first.
     #[pyo3(signature = (q, link, *, out=None))]
     fn jacobian<'py>(
@@ -1308,7 +1308,7 @@ impl Robot {
     /// origin, in the link's own axes. Computes the link's kinematic path only.
     ///
     /// Arguments: `q`: (nq,); `link`: the name of a link, or its index in `link_names`.
-    /// Result: (6, nv), angular before linear components. Several states have one more axis, the
+    /// Result: (6, nv), linear before angular components. Several states have one more axis, the
     /// first.
     #[pyo3(signature = (q, link, *, out=None))]
     fn jacobian_local<'py>(
@@ -1326,7 +1326,7 @@ impl Robot {
     ///
     /// Arguments: `q`: (nq,); `qd`: (nv,); `link`: the name of a link, or its index in
     /// `link_names`.
-    /// Result: (6, nv), angular before linear components. Several states have one more axis, the
+    /// Result: (6, nv), linear before angular components. Several states have one more axis, the
     /// first.
     #[pyo3(signature = (q, qd, link, *, out=None))]
     fn jacobian_time_derivative<'py>(
@@ -1345,7 +1345,7 @@ impl Robot {
     ///
     /// Arguments: `q`: (nq,); `qd`: (nv,); `link`: the name of a link, or its index in
     /// `link_names`.
-    /// Result: (6, nv), angular before linear components. Several states have one more axis, the
+    /// Result: (6, nv), linear before angular components. Several states have one more axis, the
     /// first.
     #[pyo3(signature = (q, qd, link, *, out=None))]
     fn jacobian_time_derivative_local<'py>(
@@ -1365,7 +1365,7 @@ impl Robot {
     ///
     /// Arguments: `q`: (nq,); `qd`: (nv,); `link`: the name of a link, or its index in
     /// `link_names`.
-    /// Result: (6,), angular before linear components. Several states have one more axis, the
+    /// Result: (6,), linear before angular components. Several states have one more axis, the
     /// first.
     #[pyo3(signature = (q, qd, link, *, out=None))]
     fn jacobian_dot_qd<'py>(
@@ -1384,7 +1384,7 @@ impl Robot {
     ///
     /// Arguments: `q`: (nq,); `qd`: (nv,); `link`: the name of a link, or its index in
     /// `link_names`.
-    /// Result: (6,), angular before linear components. Several states have one more axis, the
+    /// Result: (6,), linear before angular components. Several states have one more axis, the
     /// first.
     #[pyo3(signature = (q, qd, link, *, out=None))]
     fn jacobian_dot_qd_local<'py>(

@@ -249,37 +249,37 @@ class Naive:
         return -self.parameters[0].sum() * (self.center(q) @ np.array(self.gravity, REAL))
 
     def momentum(self, q, qd, qdd=None, dx=None):
-        """The momentum about the centre of mass and its rate, angular, then linear."""
+        """The momentum about the centre of mass and its rate, linear, then angular."""
         motion, center = self.motion(q, qd, qdd, dx), self.center(q, dx)
         momentum = rate = 0
         both = zip(motion, self.moments(motion), self.wrenches(motion, np.zeros(3, REAL)))
         for (_, p, omega, v, *_), (m, c, inertia), (moment, force) in both:
             arm = p - center
             linear, angular = m * v + np.cross(omega, c), np.cross(c, v) + times(inertia, omega)
-            momentum = momentum + np.concatenate(np.broadcast_arrays(angular + np.cross(arm, linear), linear), -1)
-            rate = rate + np.concatenate(np.broadcast_arrays(moment + np.cross(arm, force), force), -1)
+            momentum = momentum + np.concatenate(np.broadcast_arrays(linear, angular + np.cross(arm, linear)), -1)
+            rate = rate + np.concatenate(np.broadcast_arrays(force, moment + np.cross(arm, force)), -1)
         return momentum, rate
 
     def external(self, q, wrenches, dx=None, *, world):
-        """The joint forces of wrenches on the links at their origins, moments first, in the links' own or in world axes."""
+        """The joint forces of wrenches on the links at their origins, forces first, in the links' own or in world axes."""
         motion = self.motion(q, dx=dx)
         wrenches = np.asarray(wrenches, REAL)
-        parts = [(w[:3], w[3:]) if world else (times(x[0], w[:3]), times(x[0], w[3:])) for x, w in zip(motion, wrenches)]
+        parts = [(w[3:], w[:3]) if world else (times(x[0], w[3:]), times(x[0], w[:3])) for x, w in zip(motion, wrenches)]
         return self.torques(motion, parts)
 
     def twist(self, q, link, qd, dx=None, *, world=True):
-        """The velocity of a link, angular, then linear."""
+        """The velocity of a link, linear, then angular."""
         axes, _, omega, v, *_ = self.motion(q, qd, dx=dx)[link]
-        both = omega, v
+        both = v, omega
         if not world:
             both = (times(transposed(axes), x) for x in both)
         return np.concatenate(np.broadcast_arrays(*both), -1)
 
     def link_acceleration(self, q, qd, qdd, link, *, world=True):
         axes, _, _, _, alpha, a, _ = self.motion(q, qd, qdd)[link]
-        return np.concatenate([alpha, a]) if world else np.concatenate([axes.T @ alpha, axes.T @ a])
+        return np.concatenate([a, alpha]) if world else np.concatenate([axes.T @ a, axes.T @ alpha])
 
-    # Constraints: rows of angular components, times the length, then linear components.
+    # Constraints: rows of linear components, then of angular components times the length.
 
     def ends(self, constraint, motion):
         """By end: axes, origin, angular velocity, velocity, angular acceleration, acceleration."""
@@ -291,23 +291,23 @@ class Naive:
                    a + np.cross(alpha, arm) + np.cross(omega, np.cross(omega, arm)))
 
     def directions(self, constraint):
-        """The constrained directions of rotation and of translation, as the rows of two matrices."""
+        """The constrained directions of translation and of rotation, as the rows of two matrices."""
         across = np.linalg.svd(np.array(unit(constraint.axis), float)[None])[2][1:].astype(REAL)
         across -= np.outer(across @ unit(constraint.axis), unit(constraint.axis))
         whole, none = np.eye(3, dtype=REAL), np.zeros((0, 3), REAL)
         match constraint.kind:
             case "spherical" | "point":
-                return none, whole
+                return whole, none
             case "fixed" | "surface":
                 return whole, whole
             case "revolute" | "continuous":
-                return across, whole
-            case "prismatic":
                 return whole, across
+            case "prismatic":
+                return across, whole
 
     def relative(self, constraint, q, qd=None, qdd=None, dx=None):
         """The displacement, velocity and acceleration of the second frame relative to the first, in the first frame's axes,
-        angular, then linear; all components."""
+        linear, then angular; all components."""
         (axes, p, w, v, al, a), (axes2, p2, w2, v2, al2, a2) = self.ends(constraint, self.motion(q, qd, qdd, dx))
         arm, moved = p2 - p, v2 - v
         slip = moved - np.cross(w, arm)
@@ -323,20 +323,20 @@ class Naive:
             odd = turned - transposed(turned)
             angle = np.stack([odd[..., 2, 1], odd[..., 0, 2], odd[..., 1, 0]], -1) / 2
         own = lambda *both: np.concatenate(np.broadcast_arrays(*(times(transposed(axes), x) for x in both)), -1)
-        place = np.concatenate(np.broadcast_arrays(angle, displaced), -1)
-        return place, own(w2 - w, slip), own(spin, change)
+        place = np.concatenate(np.broadcast_arrays(displaced, angle), -1)
+        return place, own(slip, w2 - w), own(change, spin)
 
     def rows(self, constraint, length, twist):
         """The constrained components, those of rotation times the length."""
-        angular, linear = self.directions(constraint)
-        return np.concatenate([twist[..., :3] @ angular.T * length, twist[..., 3:] @ linear.T], -1)
+        linear, angular = self.directions(constraint)
+        return np.concatenate([twist[..., :3] @ linear.T, twist[..., 3:] @ angular.T * length], -1)
 
     def along_rows(self, lengths, rows, power):
         """By constraint, the sum of its directions times the rows' numbers, rotations times this power of the length."""
         for constraint, length in zip(self.constraints, lengths):
-            angular, linear = self.directions(constraint)
-            own, rows = np.split(rows, [len(angular) + len(linear)])
-            yield np.concatenate([angular.T @ own[:len(angular)] * length**power, linear.T @ own[len(angular):]])
+            linear, angular = self.directions(constraint)
+            own, rows = np.split(rows, [len(linear) + len(angular)])
+            yield np.concatenate([linear.T @ own[:len(linear)], angular.T @ own[len(linear):] * length**power])
 
     def length(self, constraint):
         """The characteristic length, as docs/internals/constraints.md defines it."""
@@ -372,7 +372,7 @@ class Naive:
         """The joint forces of a wrench on the second link, in the first frame's axes, and its opposite on the first."""
         motion = self.motion(q, dx=dx)
         (axes, *_), (_, p2, *_) = self.ends(constraint, motion)
-        moment, force = times(axes, wrench[..., :3]), times(axes, wrench[..., 3:])
+        force, moment = times(axes, wrench[..., :3]), times(axes, wrench[..., 3:])
         on = [(np.zeros(3, REAL), np.zeros(3, REAL)) for _ in self.links]
         for link, sign in zip(constraint.links, (-1, 1)):
             if link >= 0:

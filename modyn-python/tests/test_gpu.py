@@ -57,7 +57,7 @@ def test_the_page(monkeypatch):
 
 @needs_gpu
 def test_run_time_parameters():
-    robot = modyn.load(GOLDEN / "panda.urdf", friction="none", runtime_gravity=True, payload=["panda_hand"])
+    robot = modyn.load(GOLDEN / "panda.urdf", joint_friction="none", runtime_gravity=True, payload=["panda_hand"])
     q, *_ = states(robot, 20)
     kernels = robot.gpu()
     close(kernels.run("gravity_torques", q).numpy(), robot.gravity_torques(q), 1e-5)

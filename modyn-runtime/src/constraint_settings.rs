@@ -49,7 +49,7 @@ pub struct ContactTarget<T> {
     /// The pose of the target in the world: its xy plane is the ground under the contact, its z
     /// axis the normal.
     pub pose: Pose<T>,
-    /// The velocity of the ground at the contact in world axes, rad/s and m/s.
+    /// The velocity of the ground at the contact in world axes, m/s and rad/s.
     pub velocity: Twist<T>,
     /// The factor of the tangential displacement: 0 for a plane, 1 for a frame.
     pub tangential: T,
@@ -92,21 +92,21 @@ impl<T: Copy> ContactTarget<T> {
     pub const COUNT: usize = 24;
 
     /// Returns the target from its numbers: the rotation by rows, the translation, the velocity
-    /// (angular, then linear), tangential, alpha, beta, compliance, restitution and weight.
+    /// (linear, then angular), tangential, alpha, beta, compliance, restitution and weight.
     ///
     /// ```
     /// use modyn_runtime::ContactTarget;
     ///
     /// let target = ContactTarget::from_numbers(core::array::from_fn(|k| k as f64));
     /// assert_eq!(target.pose.rotation[1], [3.0, 4.0, 5.0]);
-    /// assert_eq!((target.velocity.linear.0, target.weight), ([15.0, 16.0, 17.0], 23.0));
+    /// assert_eq!((target.velocity.linear.0, target.weight), ([12.0, 13.0, 14.0], 23.0));
     /// ```
     #[must_use]
     pub fn from_numbers(numbers: [T; 24]) -> Self {
         let three = |from: usize| [numbers[from], numbers[from + 1], numbers[from + 2]];
         Self {
             pose: Pose { rotation: [three(0), three(3), three(6)], translation: three(9) },
-            velocity: Twist { angular: Vector3(three(12)), linear: Vector3(three(15)) },
+            velocity: Twist { linear: Vector3(three(12)), angular: Vector3(three(15)) },
             tangential: numbers[18],
             alpha: numbers[19],
             beta: numbers[20],
@@ -122,7 +122,7 @@ impl<T: Copy> ContactTarget<T> {
         let Self { pose, velocity, tangential, alpha, beta, compliance, .. } = self;
         let Self { restitution, weight, .. } = self;
         let pose = pose.rotation.iter().flatten().chain(&pose.translation);
-        let velocity = velocity.angular.0.iter().chain(&velocity.linear.0);
+        let velocity = velocity.linear.0.iter().chain(&velocity.angular.0);
         let others = [tangential, alpha, beta, compliance, restitution, weight];
         let mut numbers = [*weight; 24];
         for (number, value) in numbers.iter_mut().zip(pose.chain(velocity).chain(others)) {
@@ -142,7 +142,7 @@ macro_rules! settings {
                     rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
                     translation: [0.0; 3],
                 },
-                velocity: Twist { angular: Vector3([0.0; 3]), linear: Vector3([0.0; 3]) },
+                velocity: Twist { linear: Vector3([0.0; 3]), angular: Vector3([0.0; 3]) },
                 tangential: 0.0,
                 alpha: 20.0,
                 beta: 20.0,

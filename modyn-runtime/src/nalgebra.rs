@@ -14,7 +14,7 @@ use crate::results::{
     ForwardDynamicsDerivatives, InverseDynamicsDerivatives,
 };
 use crate::robot::{Factorization, Robot, Settings};
-use crate::spatial::{Pose, Twist, Vector3, Wrench};
+use crate::spatial::{Pose, Twist, Wrench};
 use crate::{Scalar, functions};
 
 /// The result of constrained forward dynamics for robot `R`, with accelerations as `V`.
@@ -243,8 +243,8 @@ impl<R: Robot, T: Scalar + RealField> Nalgebra<R, T> {
         R::link_pose::<T>(array(q), link).into()
     }
 
-    /// Returns a link's Jacobian at its origin in world axes: six rows, linear before angular, as
-    /// in most libraries that use nalgebra.
+    /// Returns a link's Jacobian at its origin in world axes: three linear rows, then
+    /// three angular rows.
     #[must_use]
     pub fn jacobian<const NQ: usize, const NV: usize>(
         q: &SVector<T, NQ>,
@@ -254,9 +254,7 @@ impl<R: Robot, T: Scalar + RealField> Nalgebra<R, T> {
         R: Robot<Q<T> = [T; NQ], PerVelocity<Twist<T>> = [Twist<T>; NV]> + functions::Jacobian,
     {
         let columns = R::jacobian::<T>(array(q), link);
-        SMatrix::from(columns.map(|Twist { angular: Vector3(w), linear: Vector3(v) }| {
-            [v[0], v[1], v[2], w[0], w[1], w[2]]
-        }))
+        SMatrix::from(columns.map(|twist| twist.components()))
     }
 
     /// Returns the centre of mass of the moving links in world axes, m.

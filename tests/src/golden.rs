@@ -197,20 +197,20 @@ impl Quantities {
         position
     }
 
-    /// Returns the momentum about the centre of mass: angular part, then linear part.
+    /// Returns the momentum about the centre of mass: linear part, then angular part.
     #[must_use]
     pub fn centroidal_momentum(&self) -> Vec<f64> {
         let momentum = numbers(self.get("hg"));
         assert_eq!(momentum.len(), 6, "`hg`");
-        [&momentum[3..], &momentum[..3]].concat()
+        momentum
     }
 
-    /// Returns the centroidal momentum matrix: 3 angular rows, then 3 linear rows; a column for each velocity.
+    /// Returns the centroidal momentum matrix: 3 linear rows, then 3 angular rows; a column for each velocity.
     #[must_use]
     pub fn centroidal_momentum_matrix(&self) -> DMatrix<f64> {
         let matrix = matrix(self.get("Ag")).select_columns(&self.order.velocities);
         assert_eq!(matrix.nrows(), 6, "`Ag`");
-        matrix.select_rows(&[3, 4, 5, 0, 1, 2])
+        matrix
     }
 
     /// Returns the regressor, a row for each velocity and ten columns for each moving link; some states have none.

@@ -234,8 +234,8 @@ impl<'a> Naive<'a> {
         sum
     }
 
-    /// Returns the inertia of all links as one rigid body about their centre of mass, in world axes: the momentum (angular, then
-    /// linear) of a twist at the centre of mass.
+    /// Returns the inertia of all links as one rigid body about their centre of mass, in world axes: the momentum (linear, then
+    /// angular) of a twist at the centre of mass.
     #[must_use]
     pub fn centroidal_composite_inertia(&self) -> DMatrix<f64> {
         let mass: f64 = self.links().map(|i| self.mass(i)).sum();
@@ -246,10 +246,10 @@ impl<'a> Naive<'a> {
             let r = self.center(i) - center;
             let about = self.inertia(i)
                 + self.mass(i) * (r.norm_squared() * Matrix3::identity() - r * r.transpose());
-            let mut rotations = sum.view_mut((0, 0), (3, 3));
+            let mut rotations = sum.view_mut((3, 3), (3, 3));
             rotations += about;
         }
-        sum.view_mut((3, 3), (3, 3)).copy_from(&(mass * Matrix3::identity()));
+        sum.view_mut((0, 0), (3, 3)).copy_from(&(mass * Matrix3::identity()));
         sum
     }
 

@@ -174,8 +174,8 @@ impl<T: FromNumbers> FromNumbers for Wrench<T> {
     const COUNT: usize = 6;
 
     fn from_numbers(numbers: &[f64]) -> Self {
-        let [moment, force] = FromNumbers::from_numbers(numbers);
-        Self { moment: Vector3(moment), force: Vector3(force) }
+        let [force, moment] = FromNumbers::from_numbers(numbers);
+        Self { force: Vector3(force), moment: Vector3(moment) }
     }
 }
 

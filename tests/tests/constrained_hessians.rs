@@ -89,10 +89,8 @@ fn point(model: &Model, seed: u64, active: Vec<bool>, wrenches: f64) -> Point {
     let (alpha, beta) = (1.5, 2.5);
     let settings = ConstraintSettings { alpha, beta, tolerance, rounding, contacts: targets };
     let wrench = |random: &mut Random| {
-        let [moment, force] = [(); 2].map(|()| three(random).map(|x| wrenches * x));
-        let [a, b, c] = moment;
-        let [d, e, f] = force;
-        Wrench::from_components([a, b, c, d, e, f])
+        let [force, moment] = [(); 2].map(|()| three(random).map(|x| wrenches * x));
+        Wrench { force: force.into(), moment: moment.into() }
     };
     Point {
         q,
@@ -407,7 +405,7 @@ fn counts_are_as_frozen() {
     let found = [1, 2, 4].map(|k| count("quadruped", &feet[..k]));
     assert_eq!(
         found,
-        [[3662, 27375, 55345, 133391], [4905, 38223, 71877, 0], [9351, 70762, 116086, 0]],
+        [[3662, 27375, 55345, 133343], [4905, 38223, 71877, 0], [9351, 70762, 116086, 0]],
         "\nA count that falls is to be entered; one that rises is a regression."
     );
     assert!(found[0][2] < found[0][3], "differentiation of the function's graph takes more");

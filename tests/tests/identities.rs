@@ -381,11 +381,11 @@ proptest! {
             let empty = mass.rows(6 * bodies, 6 * (i - bodies));
             prop_assert!(empty.iter().all(|&x| x == 0.0), "nothing inside joints");
             bodies = i + 1;
-            // About the link's origin: [I, m c x; -m c x, m]. The part of I that depends on c cancels.
+            // About the link's origin: [m, -m c x; m c x, I]. The part of I that depends on c cancels.
             let block = |row, column| mass.fixed_view::<3, 3>(6 * i + row, 6 * i + column);
             let expected = Matrix3::identity() * link.inertial.mass;
-            assert_close("mass", block(3, 3).into_owned().as_slice(), expected.as_slice(), 1e-14);
-            let (moment, first) = (block(0, 0), block(0, 3));
+            assert_close("mass", block(0, 0).into_owned().as_slice(), expected.as_slice(), 1e-14);
+            let (moment, first) = (block(3, 3), block(3, 0));
             let own = moment - first * first.transpose() / link.inertial.mass;
             let [xx, xy, xz, yy, yz, zz] = link.inertial.inertia;
             let written = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);

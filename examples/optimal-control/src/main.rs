@@ -61,8 +61,7 @@ fn jump_by_ilqr() {
     let solve = || ilqr::solve(&problem, inputs.clone(), &ilqr::Options::default());
     let solution = solve();
     let last = &solution.states[solution.inputs.len()];
-    let away =
-        |x: &State<Quadruped>| words(&rotation_first(&Quadruped::difference(&problem.goal, &x.q)));
+    let away = |x: &State<Quadruped>| words(&Quadruped::difference(&problem.goal, &x.q));
     let simulated = jump::simulate(&problem, &solution);
     let size = format!("{} steps, 36 states, 12 torques", inputs.len());
     let result = format!(
@@ -102,7 +101,7 @@ fn sway() {
             Err(status) => return eprintln!("no torques at {time} s: {status}"),
         };
         state = problems::move_on_ground(&state, dt, &found.tau).state;
-        let error = rotation_first(&Quadruped::difference(&sway.at(time + dt).q, &state.q));
+        let error = Quadruped::difference(&sway.at(time + dt).q, &state.q);
         if norm(&error) > norm(&worst) {
             worst = error;
         }
@@ -179,17 +178,12 @@ fn costs<R: Robot>(solution: &ilqr::Solution<R>) -> String {
     format!("cost {first:.0} to {last:.3}{end}")
 }
 
-/// Returns a displacement in words; its rotation is first.
+/// Returns a displacement in words; further entries do not count.
 fn words(displacement: &[f64]) -> String {
-    let (angle, length) = (norm(&displacement[..3]), norm(&displacement[3..6]));
+    let (length, angle) = (norm(&displacement[..3]), norm(&displacement[3..6]));
     format!("{:.2} mm and {:.2} mrad", 1e3 * length, 1e3 * angle)
 }
 
 fn norm(x: &[f64]) -> f64 {
     x.iter().map(|x| x.powi(2)).sum::<f64>().sqrt()
-}
-
-/// Returns the displacement of the base with the rotation first.
-fn rotation_first(&[x, y, z, a, b, c, ..]: &[f64; 18]) -> [f64; 6] {
-    [a, b, c, x, y, z]
 }

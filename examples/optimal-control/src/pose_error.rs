@@ -4,12 +4,12 @@ use modyn::na::{DMatrix, Isometry3, Matrix3, SMatrix, SVector};
 use modyn::spatial::{Quaternion, Vector3, inverse_rotation_jacobian};
 use modyn::{Pose, Robot, functions};
 
-/// Returns the error of a pose: the rotation vector from the target to the pose in the target's axes, rad, then the
-/// displacement from the target to the pose in world axes, m.
+/// Returns the error of a pose: the displacement from the target to the pose in world axes, m, then the rotation vector
+/// from the target to the pose in the target's axes, rad.
 pub(crate) fn pose_error(pose: &Pose<f64>, target: &Pose<f64>) -> SVector<f64, 6> {
     let [a, b, c] = rotation_vector(pose, target).0;
     let [x, y, z]: [f64; 3] = core::array::from_fn(|i| pose.translation[i] - target.translation[i]);
-    SVector::from([a, b, c, x, y, z])
+    SVector::from([x, y, z, a, b, c])
 }
 
 /// Returns the derivative of [`pose_error`] with respect to the coordinates of a robot in tangent space, of the frame
@@ -31,7 +31,7 @@ where
     let to_link = Matrix3::from(pose.rotation);
     let by_angular = Matrix3::from(rows).transpose() * to_link;
     let mut by_twist = SMatrix::<f64, 6, 6>::identity();
-    by_twist.fixed_view_mut::<3, 3>(0, 0).copy_from(&by_angular);
+    by_twist.fixed_view_mut::<3, 3>(3, 3).copy_from(&by_angular);
     let jacobian = R::jacobian(q, link);
     let columns: Vec<SVector<f64, 6>> = jacobian
         .as_ref()
@@ -63,7 +63,7 @@ mod tests {
         ] {
             let target = Arm::link_pose(&goal, ArmLink::GraspPoint);
             let error = |q: &[f64; 7]| pose_error(&Arm::link_pose(q, ArmLink::GraspPoint), &target);
-            largest = largest.max(error(&q).fixed_rows::<3>(0).norm());
+            largest = largest.max(error(&q).fixed_rows::<3>(3).norm());
             let derivative = pose_error_derivative::<Arm>(&q, ArmLink::GraspPoint, &target);
             for j in 0..7 {
                 let at = |step: f64| {

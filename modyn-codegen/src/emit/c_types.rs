@@ -202,10 +202,10 @@ pub(super) fn docs_of_record(name: &str) -> Option<&'static str> {
     Some(match name {
         "pose" => "A pose: the rotation, and the translation, m.",
         "twist" => {
-            "A velocity (rad/s, m/s), an acceleration or a displacement: its angular and its linear part."
+            "A velocity (m/s, rad/s), an acceleration or a displacement: its linear and its angular part."
         }
-        "momentum" => "A momentum: its angular part, N m s, and its linear part, N s.",
-        "wrench" => "A moment, N m, and a force, N.",
+        "momentum" => "A momentum: its linear part, N s, and its angular part, N m s.",
+        "wrench" => "A force, N, and a moment, N m.",
         "contact_target" => {
             "What a contact holds its link's frame to, and the properties of the contact."
         }

@@ -122,14 +122,10 @@ impl PlanContext<'_> {
             robot.constraint_jacobian(q, &mut columns).ok().map(|()| columns)
         });
         let Some([first, second]) = jacobians else { return 0 };
-        let components = |twist: &Twist<f64>| {
-            let Twist { angular, linear } = *twist;
-            [angular.0, linear.0].concat()
-        };
         let rows_of = |joint: usize| {
             let places = (joint..constraints * n).step_by(n);
             let entries: Vec<[f64; 2]> = places
-                .map(|at| [&first[at], &second[at]].map(components))
+                .map(|at| [&first[at], &second[at]].map(Twist::components))
                 .flat_map(|[one, other]| one.into_iter().zip(other))
                 .map(|(one, other)| [one, other])
                 .collect();

@@ -1,8 +1,8 @@
 //! The graphs of loop constraints and contacts.
 //!
 //! Settings have the order of `ConstraintSettings::from_numbers`, then of
-//! `ContactTarget::from_numbers` for each contact. A twist or a wrench is three angular, then three
-//! linear components. The set of active contacts is a number for each contact, 1 if it is active,
+//! `ContactTarget::from_numbers` for each contact. A twist or a wrench is three linear, then three
+//! angular components. The set of active contacts is a number for each contact, 1 if it is active,
 //! else 0.
 
 use modyn_runtime::equations::brge::UduLayout;

@@ -2,7 +2,7 @@
 //! and of all links.
 //!
 //! A pose is nine numbers of the rotation by rows, then three of the translation. A twist or a
-//! momentum is three angular, then three linear components. Columns follow each other.
+//! momentum is three linear, then three angular components. Columns follow each other.
 
 use modyn_runtime::equations::{State, Workspace, kinematics};
 use modyn_runtime::spatial::Pose;

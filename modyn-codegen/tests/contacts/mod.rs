@@ -233,7 +233,7 @@ fn interpreted(model: &Model, state: &State, active: &[bool], settings: &Setting
 
 /// All that the dense witness needs of a contact: from the pose and the Jacobian of its link.
 struct Frame {
-    /// Angular, then linear rows in world axes at the frame's origin.
+    /// Linear, then angular rows in world axes at the frame's origin.
     jacobian: DMatrix<f64>,
     /// The classical acceleration without joint accelerations.
     bias: DVector<f64>,
@@ -255,14 +255,14 @@ fn frame(interpreter: &mut Interpreter<f64>, State { q, qd, .. }: &State, c: usi
     let mut jacobian = DMatrix::zeros(6, nv);
     for (j, column) in columns.iter().enumerate() {
         let (angular, linear) = (v(column.angular), v(column.linear));
-        jacobian.view_mut((0, j), (3, 1)).copy_from(&angular);
-        jacobian.view_mut((3, j), (3, 1)).copy_from(&(linear + angular.cross(&lever)));
+        jacobian.view_mut((0, j), (3, 1)).copy_from(&(linear + angular.cross(&lever)));
+        jacobian.view_mut((3, j), (3, 1)).copy_from(&angular);
     }
     let (omega, alpha) = (v(velocity.angular), v(rate.angular));
     let linear = v(rate.linear) + alpha.cross(&lever) + omega.cross(&omega.cross(&lever));
     let mut bias = DVector::zeros(6);
-    bias.rows_mut(0, 3).copy_from(&alpha);
-    bias.rows_mut(3, 3).copy_from(&linear);
+    bias.rows_mut(0, 3).copy_from(&linear);
+    bias.rows_mut(3, 3).copy_from(&alpha);
     let axes = matrix(link.rotation) * matrix(end.pose.rotation);
     Frame { jacobian, bias, axes, origin: V3::from(link.translation) + lever }
 }
@@ -284,7 +284,7 @@ fn displacement(frame: &Frame, target: &ContactTarget<f64>, kind: ContactKind) -
         ContactKind::Point => V3::zeros(),
         ContactKind::Surface => tilt + split(twist).0 * target.tangential,
     };
-    [angular, linear]
+    [linear, angular]
 }
 
 /// The largest difference to a dense solution, relative to the largest number.
@@ -306,20 +306,16 @@ fn dense(model: &Model, state: &State, active: &[bool], settings: &Settings) -> 
     for (c, contact) in model.contacts().iter().enumerate().filter(|(c, _)| active[*c]) {
         let target = &settings.contacts[c];
         let found = frame(&mut interpreter, state, c);
-        let [angular, linear] = displacement(&found, target, contact.kind);
-        let first = match contact.kind {
-            ContactKind::Point => 3,
-            ContactKind::Surface => 0,
-        };
-        let moving = [target.velocity.angular.0, target.velocity.linear.0].concat();
-        let displacement = [angular.as_slice(), linear.as_slice()].concat();
-        for k in first..6 {
+        let displacement = displacement(&found, target, contact.kind);
+        let moving = target.velocity.components();
+        let displacement = displacement.each_ref().map(V3::as_slice).concat();
+        for k in 0..contact.kind.rows() {
             let row = found.jacobian.row(k);
             let velocity = (row * &qd)[0] - moving[k];
             let wanted = -found.bias[k]
                 - 2.0 * target.alpha * velocity
                 - target.beta.powi(2) * displacement[k];
-            let length = if k < 3 { model.contact_length(c) } else { 1.0 };
+            let length = if k < 3 { 1.0 } else { model.contact_length(c) };
             all.push((c, k, row * length, wanted * length, length));
         }
     }
@@ -693,9 +689,8 @@ fn dense_rows(
     let mut kept = Vec::new();
     for (c, contact) in model.contacts().iter().enumerate() {
         let found = frame(interpreter, state, c);
-        let first = 6 - contact.kind.rows();
-        for k in first..6 {
-            let length = if k < 3 { model.contact_length(c) } else { 1.0 };
+        for k in 0..contact.kind.rows() {
+            let length = if k < 3 { 1.0 } else { model.contact_length(c) };
             let on = if active[c] { 1.0 } else { 0.0 };
             rows.push(found.jacobian.row(k) * on);
             kept.push((c, k, length));
@@ -765,14 +760,14 @@ fn velocities_after_an_impact_are_as_the_dense_solution_says() {
         let mut wanted = DVector::zeros(kept.len());
         for (i, &(c, k, length)) in kept.iter().enumerate().filter(|(_, row)| active[row.0]) {
             let target = &settings.contacts[c];
-            let moving = [target.velocity.angular.0, target.velocity.linear.0].concat();
+            let moving = target.velocity.components();
             let mut own = -(velocity[i] - moving[k]);
-            if k >= 3 {
+            if k < 3 {
                 let normal = column(&matrix(target.pose.rotation), 2);
-                let first = i - (k - 3);
+                let first = i - k;
                 let speed: f64 =
-                    (0..3).map(|j| normal[j] * (velocity[first + j] - moving[3 + j])).sum();
-                own -= target.restitution * speed * normal[k - 3];
+                    (0..3).map(|j| normal[j] * (velocity[first + j] - moving[j])).sum();
+                own -= target.restitution * speed * normal[k];
             }
             wanted[i] = own * length;
         }
@@ -807,7 +802,7 @@ fn jacobians_and_bias_accelerations_are_those_of_the_links() {
         for (c, contact) in model.contacts().iter().enumerate() {
             let expected = frame(&mut interpreter, state, c);
             for k in 0..6 {
-                let held = if k < 6 - contact.kind.rows() { 0.0 } else { 1.0 };
+                let held = if k < contact.kind.rows() { 1.0 } else { 0.0 };
                 for (j, column) in columns[c * nv..][..nv].iter().enumerate() {
                     let difference = column.components()[k] - held * expected.jacobian[(k, j)];
                     assert!(difference.abs() < 1e-12);

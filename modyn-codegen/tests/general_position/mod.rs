@@ -147,16 +147,16 @@ impl Compiled {
 
 /// Returns the solution of the aligned mechanism from the solution of the rotated and scaled one.
 fn aligned(solution: &Solution, r: &Matrix3<f64>, scale: f64, lengths: &[bool]) -> Solution {
-    let back = |six: &[f64; 6], angular: f64, linear: f64| {
+    let back = |six: &[f64; 6], linear: f64, angular: f64| {
         let to_link = |at: usize| r.transpose() * Vector3::new(six[at], six[at + 1], six[at + 2]);
-        let (first, second) = (to_link(0) / angular, to_link(3) / linear);
+        let (first, second) = (to_link(0) / linear, to_link(3) / angular);
         [first.x, first.y, first.z, second.x, second.y, second.z]
     };
     let qdd = solution.qdd.iter().zip(lengths);
     Solution {
         qdd: qdd.map(|(x, &length)| if length { x / scale } else { *x }).collect(),
-        wrenches: solution.wrenches.iter().map(|w| back(w, scale * scale, scale)).collect(),
-        residuals: solution.residuals.iter().map(|r| back(r, 1.0, scale)).collect(),
+        wrenches: solution.wrenches.iter().map(|w| back(w, scale, scale * scale)).collect(),
+        residuals: solution.residuals.iter().map(|r| back(r, scale, 1.0)).collect(),
         rank: solution.rank,
     }
 }

@@ -1,5 +1,5 @@
 //! Constrained forward dynamics by independent means: Jacobians from joint axes in world axes, bias accelerations by
-//! differences, and the pseudo-inverse from nalgebra's singular values.
+//! differences, and the pseudo-inverse from singular values.
 
 use modyn_runtime::Interpreter;
 use modyn_runtime::joint::JointType;
@@ -11,9 +11,9 @@ use super::mechanisms::matrix;
 
 pub struct Solution {
     pub qdd: Vec<f64>,
-    /// For each constraint: moment and force.
+    /// For each constraint: force and moment.
     pub wrenches: Vec<[f64; 6]>,
-    /// For each constraint: angular and linear residual.
+    /// For each constraint: linear and angular residual.
     pub residuals: Vec<[f64; 6]>,
     pub rank: usize,
 }
@@ -77,8 +77,8 @@ impl<'a> Reference<'a> {
             let column = self.model.v_range(i).start;
             let mut add = |column: usize, angular: Vector3<f64>, linear: Vector3<f64>| {
                 for k in 0..3 {
-                    sum[(k, column)] += sign * angular[k];
-                    sum[(3 + k, column)] += sign * linear[k];
+                    sum[(k, column)] += sign * linear[k];
+                    sum[(3 + k, column)] += sign * angular[k];
                 }
             };
             let axis = before.axes * Vector3::from(joint.axis);
@@ -117,10 +117,10 @@ impl<'a> Reference<'a> {
             Matrix3::identity() - axis * axis.transpose()
         };
         let (at, block) = match self.model.loop_constraints()[constraint].kind {
-            LoopConstraintKind::Point => (0, Matrix3::zeros()),
-            LoopConstraintKind::Rigid => (0, Matrix3::identity()),
-            LoopConstraintKind::Revolute(axis) => (0, across(axis)),
-            LoopConstraintKind::Prismatic(axis) => (3, across(axis)),
+            LoopConstraintKind::Point => (3, Matrix3::zeros()),
+            LoopConstraintKind::Rigid => (3, Matrix3::identity()),
+            LoopConstraintKind::Revolute(axis) => (3, across(axis)),
+            LoopConstraintKind::Prismatic(axis) => (0, across(axis)),
         };
         projection.fixed_view_mut::<3, 3>(at, at).copy_from(&block);
         projection
@@ -141,8 +141,8 @@ impl<'a> Reference<'a> {
         };
         let linear = back * (second.origin - first.origin);
         let mut both = Vector6::zeros();
-        both.fixed_rows_mut::<3>(0).copy_from(&angular);
-        both.fixed_rows_mut::<3>(3).copy_from(&linear);
+        both.fixed_rows_mut::<3>(0).copy_from(&linear);
+        both.fixed_rows_mut::<3>(3).copy_from(&angular);
         self.constrained(constraint) * both
     }
 
@@ -216,7 +216,7 @@ impl<'a> Reference<'a> {
                 + self.displacement(q, c) * beta.powi(2));
             jacobian.rows_mut(6 * c, 6).copy_from(&own);
             target.rows_mut(6 * c, 6).copy_from(&gamma);
-            scales.rows_mut(6 * c, 3).fill(self.length(q, c));
+            scales.rows_mut(6 * c + 3, 3).fill(self.length(q, c));
         }
         let mut mass = vec![0.0; n * n];
         self.interpreter.mass_matrix(q, &mut mass).expect("fits");
@@ -229,8 +229,7 @@ impl<'a> Reference<'a> {
         let half =
             mass.l().solve_lower_triangular(&(&scale * &jacobian).transpose()).expect("regular");
         // (J M^-1 J^T)^+ from the singular values of J L^-T, whose squares are its eigenvalues.
-        let svd = half.transpose().svd(true, false);
-        let (u, values) = (svd.u.expect("asked for"), svd.singular_values);
+        let (u, values) = right_singular(half);
         let cutoff = 1e-6 * values.max();
         let needed = &scale * (&target - &jacobian * &free);
         let along = u.transpose() * &needed;
@@ -255,4 +254,33 @@ impl<'a> Reference<'a> {
             rank: values.iter().filter(|&&v| v > cutoff).count(),
         }
     }
+}
+
+/// Returns the right singular vectors, as columns, and the singular values by one-sided Jacobi rotations (Hestenes 1958).
+/// nalgebra's vectors of nearly equal values are off by 1e-8.
+fn right_singular(mut matrix: DMatrix<f64>) -> (DMatrix<f64>, DVector<f64>) {
+    const SWEEPS: usize = 40;
+    let n = matrix.ncols();
+    let mut vectors = DMatrix::identity(n, n);
+    let least = 1e-32 * matrix.norm_squared();
+    for _ in 0..SWEEPS {
+        for (p, q) in (0..n).flat_map(|q| (0..q).map(move |p| (p, q))) {
+            let [a, b] = [p, q].map(|column| matrix.column(column).norm_squared());
+            let c = matrix.column(p).dot(&matrix.column(q));
+            if c.abs() <= least.max(1e-16 * (a * b).sqrt()) {
+                continue;
+            }
+            let half_cotangent = (b - a) / (2.0 * c);
+            let tangent =
+                half_cotangent.signum() / (half_cotangent.abs() + half_cotangent.hypot(1.0));
+            let cosine = tangent.hypot(1.0).recip();
+            for rotated in [&mut matrix, &mut vectors] {
+                let [x, y] = [p, q].map(|column| rotated.column(column).into_owned());
+                rotated.set_column(p, &((&x - &y * tangent) * cosine));
+                rotated.set_column(q, &((&x * tangent + &y) * cosine));
+            }
+        }
+    }
+    let values = DVector::from_iterator(n, matrix.column_iter().map(|column| column.norm()));
+    (vectors, values)
 }

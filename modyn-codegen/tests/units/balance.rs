@@ -56,8 +56,8 @@ fn signs_and_products_stay() {
 #[test]
 fn forward_dynamics_waits_less() {
     let frozen = [
-        ("arm6.urdf", [252, 459], [232, 456]),
-        ("arm7.urdf", [373, 1118], [315, 1114]),
+        ("arm6.urdf", [260, 459], [232, 456]),
+        ("arm7.urdf", [355, 1118], [315, 1114]),
         ("quadruped.urdf", [129, 684], [118, 676]),
     ];
     let robots = concat!(env!("CARGO_MANIFEST_DIR"), "/../robots");

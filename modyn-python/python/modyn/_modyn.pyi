@@ -116,9 +116,10 @@ class Options(TypedDict, total=False):
 def load(path: str | os.PathLike[str], /, **options: Unpack[Options]) -> Robot:
     """Reads the robot of a file: URDF, xacro, SDF or MJCF.
 
-    The keyword arguments are modyn's options about a robot: `gravity`, `base`, `mimic`, `rotors`, `loops`, `contacts`,
-    `ground`, `joint_friction`, `unphysical_inertia`, `unsupported_forces`, `packages`, `xacro_args`, `fused`, `modules`, `scalar`, `runtime_gravity`, `runtime_inertia` and `payload`;
-    with `machine_code=False`, functions are evaluated instead of compiled.
+    The keyword arguments are modyn's options about a robot: `gravity`, `base`, `mimic`, `armature`, `rotors`, `loops`,
+    `contacts`, `ground`, `actuators`, `joint_friction`, `unphysical_inertia`, `unsupported_forces`, `packages`,
+    `xacro_args`, `fused`, `modules`, `scalar`, `runtime_gravity`, `runtime_inertia` and `payload`; with
+    `machine_code=False`, functions are evaluated instead of compiled.
 
     `OSError` if the file cannot be read, `DescriptionError` with file, line and column if the description is wrong.
     """
@@ -583,8 +584,8 @@ class Robot:
         """Returns the joint accelerations under `tau` and a wrench on each link (in the order of
         `link_names`), at the link's origin in the link's own axes.
 
-        Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `forces`: (links, 6), moments before
-        forces.
+        Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `forces`: (links, 6), forces before
+        moments.
         Result: (nv,). Several states have one more axis, the first.
         """
     def forward_dynamics_external(
@@ -593,8 +594,8 @@ class Robot:
         """Returns the joint accelerations under `tau` and a wrench on each link (in the order of
         `link_names`), at the link's origin in world axes.
 
-        Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `forces`: (links, 6), moments before
-        forces.
+        Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `forces`: (links, 6), forces before
+        moments.
         Result: (nv,). Several states have one more axis, the first.
         """
     def inverse_dynamics_external_local(
@@ -603,8 +604,8 @@ class Robot:
         """Returns the joint forces of `qdd` under a wrench on each link (in the order of
         `link_names`), at the link's origin in the link's own axes.
 
-        Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,); `forces`: (links, 6), moments before
-        forces.
+        Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,); `forces`: (links, 6), forces before
+        moments.
         Result: (nv,). Several states have one more axis, the first.
         """
     def inverse_dynamics_external(
@@ -613,8 +614,8 @@ class Robot:
         """Returns the joint forces of `qdd` under a wrench on each link (in the order of
         `link_names`), at the link's origin in world axes.
 
-        Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,); `forces`: (links, 6), moments before
-        forces.
+        Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,); `forces`: (links, 6), forces before
+        moments.
         Result: (nv,). Several states have one more axis, the first.
         """
     def generalized_forces_local(
@@ -624,7 +625,7 @@ class Robot:
         `link_names`), at the link's origin in the link's own axes, and their derivative with
         respect to `q` (in tangent space). The wrenches rotate with their links.
 
-        Arguments: `q`: (nq,); `forces`: (links, 6), moments before forces.
+        Arguments: `q`: (nq,); `forces`: (links, 6), forces before moments.
         Result: `GeneralizedForces`: `tau` (nv,), `dq` (nv, nv). Several states have one more axis,
         the first.
         """
@@ -635,7 +636,7 @@ class Robot:
         `link_names`), at the link's origin in world axes, and their derivative with respect to `q`
         (in tangent space). The wrenches keep their directions.
 
-        Arguments: `q`: (nq,); `forces`: (links, 6), moments before forces.
+        Arguments: `q`: (nq,); `forces`: (links, 6), forces before moments.
         Result: `GeneralizedForces`: `tau` (nv,), `dq` (nv, nv). Several states have one more axis,
         the first.
         """
@@ -815,7 +816,7 @@ class Robot:
         contacts, or (contacts,), 1 for each active one, else 0; by default all are; `settings`:
         `ConstraintSettings`, by default with the ground at z = 0 under all contacts.
         Result: `ConstrainedForwardDynamics`: `qdd` (nv,), `wrenches` (constraints, 6), `residuals`
-        (constraints, 6), `rank` a number, angular before linear components. Several states have one
+        (constraints, 6), `rank` a number, linear before angular components. Several states have one
         more axis, the first.
         """
     def constraint_residual(
@@ -829,7 +830,7 @@ class Robot:
         Arguments: `q`: (nq,); `qd`: (nv,); `settings`: `ConstraintSettings`, by default with the
         ground at z = 0 under all contacts.
         Result: `ConstraintResidual`: `displacements` (constraints, 6), `velocities` (constraints,
-        6), angular before linear components. Several states have one more axis, the first.
+        6), linear before angular components. Several states have one more axis, the first.
         """
     def project_constraints(
         self, q: ArrayLike, qd: ArrayLike, contacts: ArrayLike | None = None, settings: ConstraintSettings | ArrayLike | None = None, *, out: ConstraintProjection | None = None
@@ -859,7 +860,7 @@ class Robot:
         Result: `ConstrainedForwardDynamicsDerivatives`: `qdd` (nv,), `wrenches` (constraints, 6),
         `dq` (nv, nv), `dqd` (nv, nv), `dtau` (nv, nv), `wrenches_dq` (constraints, 6, nv),
         `wrenches_dqd` (constraints, 6, nv), `wrenches_dtau` (constraints, 6, nv), `rank` a number,
-        moments before forces. Several states have one more axis, the first.
+        forces before moments. Several states have one more axis, the first.
         """
     def constrained_forward_dynamics_hessian(
         self, q: ArrayLike, qd: ArrayLike, tau: ArrayLike, cotangent: ArrayLike, wrench_cotangent: ArrayLike, contacts: ArrayLike | None = None, settings: ConstraintSettings | ArrayLike | None = None, *, out: ConstrainedForwardDynamicsHessian | None = None
@@ -871,12 +872,12 @@ class Robot:
         Weights of wrenches need independent rows, or compliance.
 
         Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `cotangent`: (nv,); `wrench_cotangent`:
-        (constraints, 6), moments before forces; `contacts`: the names of the active contacts, or
+        (constraints, 6), forces before moments; `contacts`: the names of the active contacts, or
         (contacts,), 1 for each active one, else 0; by default all are; `settings`:
         `ConstraintSettings`, by default with the ground at z = 0 under all contacts.
         Result: `ConstrainedForwardDynamicsHessian`: `qdd` (nv,), `wrenches` (constraints, 6), `dq`
         (nv,), `dqd` (nv,), `dtau` (nv,), `dq_dq` (nv, nv), `dq_dqd` (nv, nv), `dqd_dqd` (nv, nv),
-        `dq_dtau` (nv, nv), `rank` a number, moments before forces. Several states have one more
+        `dq_dtau` (nv, nv), `rank` a number, forces before moments. Several states have one more
         axis, the first.
         """
     def impact_dynamics(
@@ -890,8 +891,8 @@ class Robot:
         Arguments: `q`: (nq,); `qd`: (nv,); `contacts`: the names of the active contacts, or
         (contacts,), 1 for each active one, else 0; by default all are; `settings`:
         `ConstraintSettings`, by default with the ground at z = 0 under all contacts.
-        Result: `ImpactDynamics`: `qd` (nv,), `impulses` (constraints, 6), `rank` a number, moments
-        before forces. Several states have one more axis, the first.
+        Result: `ImpactDynamics`: `qd` (nv,), `impulses` (constraints, 6), `rank` a number, forces
+        before moments. Several states have one more axis, the first.
         """
     def step(
         self, q: ArrayLike, qd: ArrayLike, tau: ArrayLike, dt: ArrayLike, warm_start: ArrayLike | None = None, settings: StepSettings | ArrayLike | None = None, *, out: StepSolution | None = None
@@ -1043,7 +1044,7 @@ class Robot:
         contacts, or (contacts,), 1 for each active one, else 0; by default all are; `settings`:
         `ConstraintSettings`, by default with the ground at z = 0 under all contacts.
         Result: `ConstrainedInverseDynamics`: `tau` (nv,), `wrenches` (constraints, 6), `rank` a
-        number, moments before forces. Several states have one more axis, the first.
+        number, forces before moments. Several states have one more axis, the first.
         """
     def constraint_jacobian(
         self, q: ArrayLike, *, out: Array | None = None
@@ -1054,7 +1055,7 @@ class Robot:
         world axes.
 
         Arguments: `q`: (nq,).
-        Result: (constraints, 6, nv), angular before linear components. Several states have one more
+        Result: (constraints, 6, nv), linear before angular components. Several states have one more
         axis, the first.
         """
     def constraint_jacobian_dot_qd(
@@ -1064,7 +1065,7 @@ class Robot:
         `constraint_jacobian` times `qd`, in the same axes.
 
         Arguments: `q`: (nq,); `qd`: (nv,).
-        Result: (constraints, 6), angular before linear components. Several states have one more
+        Result: (constraints, 6), linear before angular components. Several states have one more
         axis, the first.
         """
     def operational_space_inertia(
@@ -1117,7 +1118,7 @@ class Robot:
         described.
 
         Arguments: `q`: (nq,).
-        Result: (6, nv), angular before linear components. Several states have one more axis, the
+        Result: (6, nv), linear before angular components. Several states have one more axis, the
         first.
         """
     def centroidal_composite_inertia(
@@ -1128,7 +1129,7 @@ class Robot:
         centre of mass.
 
         Arguments: `q`: (nq,).
-        Result: (6, 6), angular before linear components. Several states have one more axis, the
+        Result: (6, 6), linear before angular components. Several states have one more axis, the
         first.
         """
     def centroidal_momentum(
@@ -1138,7 +1139,7 @@ class Robot:
         Armatures have energy, but no momentum: their axes are not described.
 
         Arguments: `q`: (nq,); `qd`: (nv,).
-        Result: (6,), angular before linear components. Several states have one more axis, the
+        Result: (6,), linear before angular components. Several states have one more axis, the
         first.
         """
     def centroidal_momentum_rate(
@@ -1149,7 +1150,7 @@ class Robot:
         0 it is the bias A' qd, with the centroidal momentum matrix A.
 
         Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,).
-        Result: (6,), angular before linear components. Several states have one more axis, the
+        Result: (6,), linear before angular components. Several states have one more axis, the
         first.
         """
     def centroidal_momentum_derivatives(
@@ -1162,7 +1163,7 @@ class Robot:
 
         Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,).
         Result: `CentroidalMomentumDerivatives`: `momentum` (6,), `rate` (6,), `momentum_dq` (6,
-        nv), `rate_dq` (6, nv), `rate_dqd` (6, nv), angular before linear components. Several states
+        nv), `rate_dq` (6, nv), `rate_dqd` (6, nv), linear before angular components. Several states
         have one more axis, the first.
         """
     def link_poses(
@@ -1192,7 +1193,7 @@ class Robot:
 
         Arguments: `q`: (nq,); `qd`: (nv,); `link`: the name of a link, or its index in
         `link_names`.
-        Result: (6,), angular before linear components. Several states have one more axis, the
+        Result: (6,), linear before angular components. Several states have one more axis, the
         first.
         """
     def link_velocity_local(
@@ -1203,7 +1204,7 @@ class Robot:
 
         Arguments: `q`: (nq,); `qd`: (nv,); `link`: the name of a link, or its index in
         `link_names`.
-        Result: (6,), angular before linear components. Several states have one more axis, the
+        Result: (6,), linear before angular components. Several states have one more axis, the
         first.
         """
     def link_acceleration(
@@ -1214,7 +1215,7 @@ class Robot:
 
         Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,); `link`: the name of a link, or its index
         in `link_names`.
-        Result: (6,), angular before linear components. Several states have one more axis, the
+        Result: (6,), linear before angular components. Several states have one more axis, the
         first.
         """
     def link_acceleration_local(
@@ -1226,7 +1227,7 @@ class Robot:
 
         Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,); `link`: the name of a link, or its index
         in `link_names`.
-        Result: (6,), angular before linear components. Several states have one more axis, the
+        Result: (6,), linear before angular components. Several states have one more axis, the
         first.
         """
     def jacobian(
@@ -1236,7 +1237,7 @@ class Robot:
         origin, in world axes. Computes the link's kinematic path only.
 
         Arguments: `q`: (nq,); `link`: the name of a link, or its index in `link_names`.
-        Result: (6, nv), angular before linear components. Several states have one more axis, the
+        Result: (6, nv), linear before angular components. Several states have one more axis, the
         first.
         """
     def jacobian_local(
@@ -1246,7 +1247,7 @@ class Robot:
         origin, in the link's own axes. Computes the link's kinematic path only.
 
         Arguments: `q`: (nq,); `link`: the name of a link, or its index in `link_names`.
-        Result: (6, nv), angular before linear components. Several states have one more axis, the
+        Result: (6, nv), linear before angular components. Several states have one more axis, the
         first.
         """
     def jacobian_time_derivative(
@@ -1257,7 +1258,7 @@ class Robot:
 
         Arguments: `q`: (nq,); `qd`: (nv,); `link`: the name of a link, or its index in
         `link_names`.
-        Result: (6, nv), angular before linear components. Several states have one more axis, the
+        Result: (6, nv), linear before angular components. Several states have one more axis, the
         first.
         """
     def jacobian_time_derivative_local(
@@ -1268,7 +1269,7 @@ class Robot:
 
         Arguments: `q`: (nq,); `qd`: (nv,); `link`: the name of a link, or its index in
         `link_names`.
-        Result: (6, nv), angular before linear components. Several states have one more axis, the
+        Result: (6, nv), linear before angular components. Several states have one more axis, the
         first.
         """
     def jacobian_dot_qd(
@@ -1280,7 +1281,7 @@ class Robot:
 
         Arguments: `q`: (nq,); `qd`: (nv,); `link`: the name of a link, or its index in
         `link_names`.
-        Result: (6,), angular before linear components. Several states have one more axis, the
+        Result: (6,), linear before angular components. Several states have one more axis, the
         first.
         """
     def jacobian_dot_qd_local(
@@ -1291,7 +1292,7 @@ class Robot:
 
         Arguments: `q`: (nq,); `qd`: (nv,); `link`: the name of a link, or its index in
         `link_names`.
-        Result: (6,), angular before linear components. Several states have one more axis, the
+        Result: (6,), linear before angular components. Several states have one more axis, the
         first.
         """
     def integrate(

@@ -64,7 +64,7 @@ class ContactTarget:
     translation: ArrayLike = (0.0, 0.0, 0.0)
     """(3,), m"""
     velocity: ArrayLike = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-    """(6,): the velocity of the ground in world axes, angular, then linear, rad/s and m/s"""
+    """(6,): the velocity of the ground in world axes, linear, then angular, m/s and rad/s"""
     tangential: float = 0.0
     """the factor of the tangential displacement: 0 for a plane, 1 for a frame"""
     alpha: float = 20.0

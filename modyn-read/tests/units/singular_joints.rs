@@ -165,7 +165,7 @@ fn motions_are_the_changes_of_the_pose() {
             let spin = back.times(&Matrix3(spin)).0;
             let speed = core::array::from_fn(|i| rate(ahead.translation[i], behind.translation[i]));
             let linear = back.mul_vector(Vector3(speed)).0;
-            let change = [spin[2][1], spin[0][2], spin[1][0], linear[0], linear[1], linear[2]];
+            let change = [linear[0], linear[1], linear[2], spin[2][1], spin[0][2], spin[1][0]];
             assert!(change.iter().any(|x| x.abs() > 0.1), "{joint_type:?}");
             let rest = left_over(&allowed, change);
             assert!(rest.iter().all(|x| x.abs() < 1e-8), "{joint_type:?}: {rest:?}");

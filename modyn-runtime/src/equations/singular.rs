@@ -21,7 +21,7 @@ use crate::Scalar;
 use crate::joint::JointTransform;
 use crate::mechanism::coordinates::CoordinateSpace;
 use crate::mechanism::{Dof, Mechanism};
-use crate::spatial::ArticulatedInertia;
+use crate::spatial::{ArticulatedInertia, SpatialAxis};
 
 /// A pivot counts as zero below this many units of the scalar's precision, relative to the inertia
 /// about the same axis with the child joints locked.
@@ -147,8 +147,10 @@ fn sweep<S: Scalar>(
         for dof in model.dofs_of(i).iter().rev() {
             let component = dof.component;
             let column = left.column(component).components();
-            let block =
-                if component < 3 { &next_locked.rotational } else { &next_locked.translational };
+            let block = match dof.axis() {
+                SpatialAxis::Linear(_) => &next_locked.translational,
+                SpatialAxis::Angular(_) => &next_locked.rotational,
+            };
             let rounding = units(CANCELLED) * next_locked.entry(component, component)
                 + units(ROTATED) * (block.xx + block.yy + block.zz);
             let inertia =

@@ -33,16 +33,16 @@ impl ElementaryJoint {
         matches!(self, Self::Revolute | Self::Prismatic)
     }
 
-    /// Returns the components of the twist (angular x, y, z, linear x, y, z) that the degrees of
+    /// Returns the components of the twist (linear x, y, z, angular x, y, z) that the degrees of
     /// freedom move, one for each: the nonzero entries of the paper's joint-motion propagation
     /// vectors p.
     #[must_use]
     pub fn components(self) -> &'static [usize] {
         match self {
-            Self::Revolute => &[2],
-            Self::Prismatic => &[5],
-            Self::Spherical => &[0, 1, 2],
-            Self::Floating => &[3, 4, 5, 0, 1, 2],
+            Self::Revolute => &[5],
+            Self::Prismatic => &[2],
+            Self::Spherical => &[3, 4, 5],
+            Self::Floating => &[0, 1, 2, 3, 4, 5],
         }
     }
 }

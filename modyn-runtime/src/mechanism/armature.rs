@@ -63,7 +63,7 @@ impl<S: Scalar> Mechanism<S> {
     /// It is skew.
     pub(crate) fn armature_coriolis(&self, qd: &[S], mut add: impl FnMut(usize, usize, S)) {
         self.armature_derivatives(qd, |row, column, entry| {
-            if self.dofs[column].component >= 3 {
+            if !self.dofs[column].axis().is_angular() {
                 add(row, column, entry);
             }
         });

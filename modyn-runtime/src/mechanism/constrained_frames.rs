@@ -64,11 +64,11 @@ fn on_body(frames: &[BodyFrame<f64>], end: &LoopConstraintEnd) -> BodyFrame<f64>
     BodyFrame { body, pose: pose.compose(&end.pose).map(snap) }
 }
 
-/// Returns the rows of rotations, then of displacements, along these unit vectors.
-fn rows([angular, linear]: [Vec<[f64; 3]>; 2]) -> Vec<ConstraintRow<f64>> {
+/// Returns the rows of displacements, then of rotations, along these unit vectors.
+fn rows([linear, angular]: [Vec<[f64; 3]>; 2]) -> Vec<ConstraintRow<f64>> {
     let row =
         |angular| move |d: [f64; 3]| ConstraintRow { angular, direction: Vector3(d.map(snap)) };
-    angular.into_iter().map(row(true)).chain(linear.into_iter().map(row(false))).collect()
+    linear.into_iter().map(row(false)).chain(angular.into_iter().map(row(true))).collect()
 }
 
 /// Returns `constraint`, of characteristic length `length`, on the bodies that carry the

@@ -1,13 +1,14 @@
 //! Degrees of freedom: unit motions of bodies.
 
 use crate::Scalar;
+use crate::spatial::SpatialAxis;
 
 /// A degree of freedom: the unit motion of a body in one component of its twist.
 #[derive(Clone, Copy, Debug)]
 pub struct Dof<S> {
     /// The body that it moves.
     pub body: usize,
-    /// The component (angular x, y, z, linear x, y, z) of the body's twist.
+    /// The component (linear x, y, z, angular x, y, z) of the body's twist.
     pub component: usize,
     /// The entry of qd, qdd and tau that belongs to it.
     pub v: usize,
@@ -19,6 +20,14 @@ pub struct Dof<S> {
     pub damping: Option<S>,
     /// Coulomb friction (N m, or N); `None` if friction does not act.
     pub friction: Option<S>,
+}
+
+impl<S> Dof<S> {
+    /// Returns the axis that the body moves along or rotates about.
+    #[must_use]
+    pub fn axis(&self) -> SpatialAxis {
+        SpatialAxis::of(self.component)
+    }
 }
 
 impl<S: Scalar> Dof<S> {

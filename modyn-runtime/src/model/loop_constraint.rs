@@ -51,7 +51,7 @@ pub enum LoopConstraintKind {
     Prismatic([f64; 3]),
 }
 
-/// Unit vectors of rotations, then of displacements.
+/// Unit vectors of displacements, then of rotations.
 type Directions = [Vec<[f64; 3]>; 2];
 
 impl LoopConstraintKind {
@@ -98,8 +98,8 @@ impl LoopConstraintKind {
         }
     }
 
-    /// Returns the constrained and the free directions, unit vectors in the first frame; rotations
-    /// come before displacements in each.
+    /// Returns the constrained and the free directions, unit vectors in the first frame;
+    /// displacements come before rotations in each.
     pub(crate) fn directions(self) -> (Directions, Directions) {
         let across = |axis| {
             let plane = planar::plane(axis);
@@ -107,10 +107,10 @@ impl LoopConstraintKind {
         };
         let all = || Pose::identity().rotation.to_vec();
         match self {
-            Self::Point => ([vec![], all()], [all(), vec![]]),
+            Self::Point => ([all(), vec![]], [vec![], all()]),
             Self::Rigid => ([all(), all()], [vec![], vec![]]),
-            Self::Revolute(axis) => ([across(axis), all()], [vec![axis], vec![]]),
-            Self::Prismatic(axis) => ([all(), across(axis)], [vec![], vec![axis]]),
+            Self::Revolute(axis) => ([all(), across(axis)], [vec![], vec![axis]]),
+            Self::Prismatic(axis) => ([across(axis), all()], [vec![axis], vec![]]),
         }
     }
 }

@@ -111,22 +111,22 @@ impl Shape {
         Self::Record(Record::Pose, fields)
     }
 
-    /// Returns the layout of a twist: angular, then linear components.
+    /// Returns the layout of a twist: linear, then angular components.
     #[must_use]
     pub fn twist() -> Self {
-        Self::pair_of_vectors("Twist", "angular", "linear")
+        Self::pair_of_vectors("Twist", "linear", "angular")
     }
 
-    /// Returns the layout of a momentum: angular, then linear components.
+    /// Returns the layout of a momentum: linear, then angular components.
     #[must_use]
     pub fn momentum() -> Self {
-        Self::pair_of_vectors("Momentum", "angular", "linear")
+        Self::pair_of_vectors("Momentum", "linear", "angular")
     }
 
-    /// Returns the layout of a wrench: moment, then force.
+    /// Returns the layout of a wrench: force, then moment.
     #[must_use]
     pub fn wrench() -> Self {
-        Self::pair_of_vectors("Wrench", "moment", "force")
+        Self::pair_of_vectors("Wrench", "force", "moment")
     }
 
     fn pair_of_vectors(name: &'static str, first: &'static str, second: &'static str) -> Self {

@@ -2,7 +2,7 @@
 
 use core::ops::Add;
 
-use super::{Axis, AxisRotation, Matrix3, Pose, Symmetric3, Twist, Vector3, Wrench};
+use super::{Axis, AxisRotation, Matrix3, Pose, SpatialAxis, Symmetric3, Twist, Vector3, Wrench};
 use crate::Scalar;
 
 /// The inertia of a rigid (or composite) body about its frame's origin.
@@ -105,16 +105,19 @@ impl<S: Scalar> RigidInertia<S> {
         }
     }
 
-    /// Returns the wrench of a unit acceleration in component `j` (angular x, y, z, linear x, y,
+    /// Returns the wrench of a unit acceleration in component `j` (linear x, y, z, angular x, y,
     /// z).
     #[must_use]
     pub fn column(&self, j: usize) -> Wrench<S> {
-        if j < 3 {
-            let moment = self.rotational().full().column(j);
-            Wrench { moment, force: Vector3::unit(j).cross(self.first_moment) }
-        } else {
-            let axis = Vector3::unit(j - 3);
-            Wrench { moment: self.first_moment.cross(axis), force: axis.scale(self.mass) }
+        match SpatialAxis::of(j) {
+            SpatialAxis::Linear(k) => {
+                let axis = Vector3::unit(k);
+                Wrench { moment: self.first_moment.cross(axis), force: axis.scale(self.mass) }
+            }
+            SpatialAxis::Angular(k) => {
+                let moment = self.rotational().full().column(k);
+                Wrench { moment, force: Vector3::unit(k).cross(self.first_moment) }
+            }
         }
     }
 
@@ -148,7 +151,7 @@ impl<S: Scalar> Add for RigidInertia<S> {
 }
 
 /// The articulated inertia of a tree of links at its root link: a symmetric 6x6 matrix
-/// `[rotational, coupling; coupling^T, translational]` from acceleration to wrench.
+/// `[translational, coupling^T; coupling, rotational]` from acceleration to wrench.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ArticulatedInertia<S> {
     /// The block from angular acceleration to moment.
@@ -172,16 +175,17 @@ impl<S: Scalar> ArticulatedInertia<S> {
         Self::from_fn(|i, j| self.entry(i, j) * factor)
     }
 
-    /// Returns the wrench of a unit acceleration in component `j` (angular x, y, z, linear x, y,
+    /// Returns the wrench of a unit acceleration in component `j` (linear x, y, z, angular x, y,
     /// z).
     #[must_use]
     pub fn column(&self, j: usize) -> Wrench<S> {
-        if j < 3 {
-            Wrench { moment: self.rotational.full().column(j), force: self.coupling.row(j) }
-        } else {
-            Wrench {
-                moment: self.coupling.column(j - 3),
-                force: self.translational.full().column(j - 3),
+        match SpatialAxis::of(j) {
+            SpatialAxis::Linear(k) => Wrench {
+                moment: self.coupling.column(k),
+                force: self.translational.full().column(k),
+            },
+            SpatialAxis::Angular(k) => {
+                Wrench { moment: self.rotational.full().column(k), force: self.coupling.row(k) }
             }
         }
     }
@@ -203,21 +207,22 @@ impl<S: Scalar> ArticulatedInertia<S> {
     #[must_use]
     pub fn from_fn(mut entry: impl FnMut(usize, usize) -> S) -> Self {
         Self {
-            rotational: Symmetric3::from_fn(&mut entry),
-            coupling: Matrix3(core::array::from_fn(|i| core::array::from_fn(|j| entry(i, j + 3)))),
-            translational: Symmetric3::from_fn(|i, j| entry(i + 3, j + 3)),
+            translational: Symmetric3::from_fn(&mut entry),
+            coupling: Matrix3(core::array::from_fn(|i| core::array::from_fn(|j| entry(j, i + 3)))),
+            rotational: Symmetric3::from_fn(|i, j| entry(i + 3, j + 3)),
         }
     }
 
     /// Returns the entry of the 6x6 matrix at row `i` and column `j`, `i <= j`.
     #[must_use]
     pub fn entry(&self, i: usize, j: usize) -> S {
-        if j < 3 {
-            self.rotational.full().0[i][j]
-        } else if i < 3 {
-            self.coupling.0[i][j - 3]
-        } else {
-            self.translational.full().0[i - 3][j - 3]
+        match [i, j].map(SpatialAxis::of) {
+            [SpatialAxis::Linear(i), SpatialAxis::Linear(j)] => self.translational.full().0[i][j],
+            [SpatialAxis::Angular(i), SpatialAxis::Angular(j)] => self.rotational.full().0[i][j],
+            [SpatialAxis::Linear(linear), SpatialAxis::Angular(angular)]
+            | [SpatialAxis::Angular(angular), SpatialAxis::Linear(linear)] => {
+                self.coupling.0[angular][linear]
+            }
         }
     }
 

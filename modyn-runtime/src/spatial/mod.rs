@@ -1,7 +1,7 @@
 //! Spatial vectors, inertias and transforms, with named components.
 //!
-//! Quantities are about the origin of a link's frame and in that frame's axes, as in the paper: the
-//! twist is t = [omega; o_dot], and the mass matrix (2) of a link is about the link's origin.
+//! Quantities are about the origin of a link's frame and in that frame's axes, as in the paper: so is
+//! the mass matrix (2) of a link. The linear part is first; the paper has the angular part first.
 
 mod pose;
 
@@ -19,6 +19,8 @@ mod matrix;
 #[cfg(feature = "alloc")]
 mod perturbation;
 mod quaternion;
+#[cfg(feature = "alloc")]
+mod spatial_axis;
 mod vector;
 #[cfg(feature = "alloc")]
 mod velocity;
@@ -31,6 +33,7 @@ pub use {
     field::Field,
     inertia::{ArticulatedInertia, RigidInertia},
     perturbation::AccelerationPerturbation,
+    spatial_axis::SpatialAxis,
     velocity::VelocityMoments,
 };
 pub use {

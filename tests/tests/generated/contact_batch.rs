@@ -124,8 +124,8 @@ use modyn::{
 
 fields! {
     Vector3<X> { 0: [X; 3] }
-    Twist<X> { angular: Vector3<X>, linear: Vector3<X> }
-    Wrench<X> { moment: Vector3<X>, force: Vector3<X> }
+    Twist<X> { linear: Vector3<X>, angular: Vector3<X> }
+    Wrench<X> { force: Vector3<X>, moment: Vector3<X> }
     ConstrainedForwardDynamics<V, W, R, X> { qdd: V, wrenches: W, residuals: R, rank: X }
     ConstrainedForwardDynamicsDerivatives<V, W, M, D, X> {
         qdd: V, wrenches: W, dq: M, dqd: M, dtau: M, wrenches_dq: D, wrenches_dqd: D, wrenches_dtau: D, rank: X
@@ -139,8 +139,8 @@ fields! {
 
 fields! { take
     Vector3 { 0: [X; 3] }
-    Twist { angular: Vector3<X>, linear: Vector3<X> }
-    Wrench { moment: Vector3<X>, force: Vector3<X> }
+    Twist { linear: Vector3<X>, angular: Vector3<X> }
+    Wrench { force: Vector3<X>, moment: Vector3<X> }
 }
 
 /// The largest difference between fused and unfused products, relative to the largest number of a result, for states in

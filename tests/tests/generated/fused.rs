@@ -184,8 +184,8 @@ fn many_states() {
     let mass_matrix = std::array::from_fn(|_| std::array::from_fn(|_| next()));
     let bias_forces = std::array::from_fn(|_| next());
     let mut twist = || {
-        let [angular, linear] = std::array::from_fn(|_| Vector3(std::array::from_fn(|_| next())));
-        Twist { angular, linear }
+        let [linear, angular] = std::array::from_fn(|_| Vector3(std::array::from_fn(|_| next())));
+        Twist { linear, angular }
     };
     let jacobian: [Twist<&mut [f64]>; 7] = std::array::from_fn(|_| twist());
     let rate = twist();

@@ -87,9 +87,9 @@ fn components(shape: &Shape) -> &'static str {
         Shape::Scalar => "",
         Shape::Array(inner, ..) => components(inner),
         Shape::Record(Record::Spatial("Twist" | "Momentum"), _) => {
-            ", angular before linear components"
+            ", linear before angular components"
         }
-        Shape::Record(Record::Spatial("Wrench"), _) => ", moments before forces",
+        Shape::Record(Record::Spatial("Wrench"), _) => ", forces before moments",
         Shape::Record(_, fields) => {
             let all = fields.iter().map(|(_, field)| components(field));
             all.max_by_key(|text| text.len()).unwrap_or_default()

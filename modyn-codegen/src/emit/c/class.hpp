@@ -11,9 +11,9 @@
 
 /// The dynamics of the robot. SI units, radians. Gravity is by default @GRAVITY@ m/s^2 in world axes.
 ///
-/// Vectors are in the order of the description's joints, depth first. Quaternions are x, y, z, w. Twists and the
-/// columns of Jacobians are angular, then linear; wrenches are the moment, then the force. The velocity of a
-/// floating joint is linear, then angular, in the axes of its link. No function allocates memory or throws.
+/// Vectors are in the order of the description's joints, depth first. Quaternions are x, y, z, w. Twists, the
+/// columns of Jacobians and the velocity of a floating joint are linear, then angular; wrenches are the force, then
+/// the moment. A floating joint moves in the axes of its link. No function allocates memory or throws.
 class @CLASS@ {
 public:
     using Scalar = @REAL@;

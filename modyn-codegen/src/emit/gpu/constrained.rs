@@ -41,9 +41,8 @@ const SETTINGS: [usize; 2] = [ConstraintSettings::<f64>::COUNT, ContactTarget::<
 /// by rows.
 const NORMAL: [usize; 3] = [2, 5, 8];
 
-/// The numbers of a wrench, and the place of its force.
+/// The numbers of a wrench. The force comes first.
 const WRENCH: usize = 6;
-const FORCE: usize = 3;
 
 impl ConstrainedStep<'_> {
     /// Returns the lines that change `q` and `qd` by a step.
@@ -69,7 +68,7 @@ impl ConstrainedStep<'_> {
         inner.extend((0..nv).map(|j| format!("qdd[{j}] = dynamics[{j}];")));
         inner.extend((0..self.contacts).map(|c| {
             let product = |k: usize| {
-                let force = nv + WRENCH * (self.loops + c) + FORCE + k;
+                let force = nv + WRENCH * (self.loops + c) + k;
                 let normal = SETTINGS[0] + SETTINGS[1] * c + NORMAL[k];
                 format!("dynamics[{force}] * settings[{normal}]")
             };

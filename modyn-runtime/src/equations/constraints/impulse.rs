@@ -44,10 +44,8 @@ pub fn impact_dynamics<S: Scalar, T: Factorizable<S>, C: AsRef<[ContactTarget<S>
             continue;
         };
         let normal = frame.to_root(Matrix3(target.pose.rotation).column(2));
-        let stops = &mut memory.right_hand_sides[0][rows];
-        // The displacements are the last three rows.
-        let first = stops.len() - 3;
-        let stops = &mut stops[first..];
+        // The displacements are the first three rows.
+        let stops = &mut memory.right_hand_sides[0][rows.start..][..3];
         let approach = (0..3).fold(S::zero(), |sum, k| sum + normal[k] * stops[k]);
         let rebound = target.restitution * approach;
         stops.iter_mut().zip(normal.0).for_each(|(stop, n)| *stop = *stop + rebound * n);

@@ -21,7 +21,7 @@ pub(super) fn unactuated<S>(model: &Mechanism<S>) -> impl Iterator<Item = usize>
 
 /// Returns whether an entry of qd is a rotation.
 fn is_rotation<S>(model: &Mechanism<S>, v: usize) -> bool {
-    model.dofs.iter().any(|dof| dof.v == v && dof.component < 3)
+    model.dofs.iter().any(|dof| dof.v == v && dof.axis().is_angular())
 }
 
 /// Computes the joint forces `tau` of the accelerations `qdd`, and the wrenches of the active

@@ -12,7 +12,7 @@ use crate::spatial::{Matrix3, Pose};
 /// matrix), with the compliance of contacts, and its pseudo-inverse, the operational-space inertia
 /// (Khatib 1987). Both are arrays of columns. Returns the number of independent rows.
 ///
-/// Each constraint has its constrained rotations, then its constrained displacements: in the first
+/// Each constraint has its constrained displacements, then its constrained rotations: in the first
 /// frame's axes for a loop constraint, in world axes for a contact. The rows and columns of
 /// inactive contacts are zero. Where rows are redundant, the pseudo-inverse is computed from the
 /// rows in units of length: rotations are multiplied by the characteristic length.

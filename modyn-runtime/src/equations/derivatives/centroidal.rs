@@ -14,7 +14,7 @@ use crate::equations::dynamics::newton_euler::{Accelerations, link_wrenches};
 use crate::equations::kinematics::{kinematic_path, total_mass};
 use crate::equations::{Motion, Workspace};
 use crate::mechanism::{Dof, Mechanism};
-use crate::spatial::{Field, Momentum, Twist, Vector3, Wrench};
+use crate::spatial::{Field, Momentum, SpatialAxis, Twist, Vector3, Wrench};
 
 /// The results of [`centroidal_momentum_derivatives`], in world axes about the centre of mass.
 /// Columns are of the entries of qd; columns of coordinates are in tangent space.
@@ -88,11 +88,13 @@ pub fn centroidal_momentum_derivatives<S: Scalar>(
     columns(model, momentum_dq, |i, _, component| {
         let Twist { angular, linear } = twist_from_parent(model, i, workspace);
         // The velocity of the ancestors at the displaced points, as a twist.
-        let change = match component.checked_sub(3) {
-            Some(k) => Twist { angular: Vector3::zero(), linear: angular.cross(Vector3::unit(k)) },
-            None => {
-                let s = Vector3::unit(component);
-                Twist { angular: angular.cross(s), linear: linear.cross(s) }
+        let change = match SpatialAxis::of(component) {
+            SpatialAxis::Linear(k) => {
+                Twist { linear: angular.cross(Vector3::unit(k)), angular: Vector3::zero() }
+            }
+            SpatialAxis::Angular(k) => {
+                let s = Vector3::unit(k);
+                Twist { linear: linear.cross(s), angular: angular.cross(s) }
             }
         };
         let wrench =

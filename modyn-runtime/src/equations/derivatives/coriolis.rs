@@ -6,7 +6,7 @@ use super::projection::{Variable, project};
 use crate::Scalar;
 use crate::equations::{State, Workspace};
 use crate::mechanism::Mechanism;
-use crate::spatial::Vector3;
+use crate::spatial::{SpatialAxis, Vector3};
 
 /// Computes the Coriolis matrix C(q, qd), nv x nv, by columns. C qd are the Coriolis and
 /// centrifugal forces, and dM/dt - 2 C is skew with the mass matrix M. Gravity, damping and
@@ -61,24 +61,24 @@ fn add_brackets<S: Scalar>(
     let mut angular = Vector3::zero();
     let mut linear = Vector3::zero();
     for dof in dofs {
-        match dof.component.checked_sub(3) {
-            None => angular.0[dof.component] = dof.rate(qd),
-            Some(k) => linear.0[k] = dof.rate(qd),
+        match dof.axis() {
+            SpatialAxis::Linear(k) => linear.0[k] = dof.rate(qd),
+            SpatialAxis::Angular(k) => angular.0[k] = dof.rate(qd),
         }
     }
     for column in dofs {
         // [(w, v), (s, t)] = (w x s, w x t + v x s)
-        let (rotated, moved) = match column.component.checked_sub(3) {
-            None => {
-                let s = Vector3::unit(column.component);
+        let (rotated, moved) = match column.axis() {
+            SpatialAxis::Linear(k) => (Vector3::zero(), angular.cross(Vector3::unit(k))),
+            SpatialAxis::Angular(k) => {
+                let s = Vector3::unit(k);
                 (angular.cross(s), linear.cross(s))
             }
-            Some(k) => (Vector3::zero(), angular.cross(Vector3::unit(k))),
         };
         for dof in dofs {
-            let bracket = match dof.component.checked_sub(3) {
-                None => rotated.0[dof.component],
-                Some(k) => moved.0[k],
+            let bracket = match dof.axis() {
+                SpatialAxis::Linear(k) => moved.0[k],
+                SpatialAxis::Angular(k) => rotated.0[k],
             };
             for row in 0..n {
                 let mut mass = mass_matrix[dof.v * n + row];

@@ -18,7 +18,7 @@ use crate::equations::dynamics::Forces;
 use crate::equations::factorization::UduLayout;
 use crate::equations::{ForwardInput, Motion, Workspace};
 use crate::mechanism::Mechanism;
-use crate::spatial::{Matrix3, Vector3, Wrench};
+use crate::spatial::{Matrix3, SpatialAxis, Vector3, Wrench};
 
 /// Computes the derivatives of inverse dynamics under external wrenches with respect to q and qd:
 /// nv x nv matrices, stored by columns. The wrenches are constant in the axes in which they are
@@ -118,8 +118,10 @@ pub fn generalized_forces<S: Scalar>(
         };
         let first = column.body;
         let mut change = displaced(workspace.wrenches[first], column.component);
-        if column.component < 3 && matches!(forces, Forces::InWorldAxes(_)) {
-            let axis = Vector3::unit(column.component);
+        if let SpatialAxis::Angular(k) = column.axis()
+            && matches!(forces, Forces::InWorldAxes(_))
+        {
+            let axis = Vector3::unit(k);
             let moment_change = rotated_back(workspace, first, axis);
             change += moment_change;
             add(first, moment_change);

@@ -12,7 +12,7 @@ use crate::equations::factorization::{
 };
 use crate::equations::{ForwardInput, Workspace};
 use crate::mechanism::{BodyTree, Mechanism};
-use crate::spatial::Vector3;
+use crate::spatial::{SpatialAxis, Vector3};
 
 /// The results of [`forward_dynamics_derivatives`]. Matrices are nv x nv, stored by columns.
 #[derive(Debug)]
@@ -215,12 +215,13 @@ pub fn add_free_fall<S: Scalar, T: BodyTree<S>>(
         };
         add(0, qdd, free_fall(model, i, qd, workspace));
         for dof in dofs {
-            if let Some(k) = dof.component.checked_sub(3) {
-                add(dof.v, dqdd_dqd, -omega.cross(Vector3::unit(k)));
-            } else {
-                let s = Vector3::unit(dof.component);
-                add(dof.v, dqdd_dq, g.cross(s));
-                add(dof.v, dqdd_dqd, -s.cross(velocity));
+            match dof.axis() {
+                SpatialAxis::Linear(k) => add(dof.v, dqdd_dqd, -omega.cross(Vector3::unit(k))),
+                SpatialAxis::Angular(k) => {
+                    let s = Vector3::unit(k);
+                    add(dof.v, dqdd_dq, g.cross(s));
+                    add(dof.v, dqdd_dqd, -s.cross(velocity));
+                }
             }
         }
     }

@@ -7,7 +7,7 @@ use crate::equations::dynamics::newton_euler::is_base;
 use crate::equations::kinematics::acceleration::parent_motion;
 use crate::joint::ElementaryJoint;
 use crate::mechanism::BodyTree;
-use crate::spatial::{AccelerationPerturbation, Field, Matrix3, Vector3};
+use crate::spatial::{AccelerationPerturbation, Field, Matrix3, SpatialAxis, Vector3};
 
 /// Computes the perturbation by each coordinate. Expects the bodies' accelerations.
 ///
@@ -22,7 +22,7 @@ pub(super) fn perturbations_by_coordinates<S: Scalar, T: BodyTree<S>>(
     for i in 0..model.bodies.len() {
         let ancestor = AncestorMotion::of(tree, i, qd, falling, workspace);
         for d in model.bodies[i].dofs.clone() {
-            workspace.perturbations[d] = ancestor.displaced(model.dofs[d].component);
+            workspace.perturbations[d] = ancestor.displaced(model.dofs[d].axis());
         }
     }
 }
@@ -39,14 +39,16 @@ pub(super) fn perturbations_by_rates<S: Scalar, T: BodyTree<S>>(
         let ancestor = AncestorMotion::of(tree, i, qd, falling, workspace);
         let sum = ancestor.omega + workspace.fields[i].omega;
         for d in model.bodies[i].dofs.clone() {
-            workspace.perturbations[d] = match model.dofs[d].component.checked_sub(3) {
-                Some(_) if falling && is_base(model, i) => AccelerationPerturbation::zero(),
-                Some(k) => AccelerationPerturbation {
+            workspace.perturbations[d] = match model.dofs[d].axis() {
+                SpatialAxis::Linear(_) if falling && is_base(model, i) => {
+                    AccelerationPerturbation::zero()
+                }
+                SpatialAxis::Linear(k) => AccelerationPerturbation {
                     uniform: sum.cross(Vector3::unit(k)),
                     ..AccelerationPerturbation::zero()
                 },
-                None => {
-                    let s = Vector3::unit(model.dofs[d].component);
+                SpatialAxis::Angular(k) => {
+                    let s = Vector3::unit(k);
                     AccelerationPerturbation {
                         gradient: sum.cross(s),
                         relative: ancestor.back.cross(s),
@@ -113,25 +115,23 @@ impl<S: Scalar> AncestorMotion<S> {
         }
     }
 
-    /// Returns the perturbation by a displacement in `component` that is fixed in the parent frame.
-    fn displaced(&self, component: usize) -> AccelerationPerturbation<S> {
-        if let Some(k) = component.checked_sub(3) {
-            return AccelerationPerturbation {
-                uniform: self.gradient.column(k),
-                ..AccelerationPerturbation::zero()
-            };
-        }
-        let s = Vector3::unit(component);
+    /// Returns the perturbation by a displacement along `axis` that is fixed in the parent frame.
+    fn displaced(&self, axis: SpatialAxis) -> AccelerationPerturbation<S> {
+        let k = match axis {
+            SpatialAxis::Linear(k) => {
+                return AccelerationPerturbation {
+                    uniform: self.gradient.column(k),
+                    ..AccelerationPerturbation::zero()
+                };
+            }
+            SpatialAxis::Angular(k) => k,
+        };
+        let s = Vector3::unit(k);
         let coriolis = self.omega.cross(s);
         let passing = coriolis.cross(self.velocity);
         let uniform = self.a.cross(s) + (passing + passing);
         // E_p s - 2 omega_p x (omega_p x s) = -E_p^T s
-        let relative = (self.back + self.back).cross(coriolis) - self.gradient.row(component);
-        AccelerationPerturbation {
-            gradient: self.gradient.column(component),
-            relative,
-            coriolis,
-            uniform,
-        }
+        let relative = (self.back + self.back).cross(coriolis) - self.gradient.row(k);
+        AccelerationPerturbation { gradient: self.gradient.column(k), relative, coriolis, uniform }
     }
 }

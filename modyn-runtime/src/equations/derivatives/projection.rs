@@ -8,7 +8,7 @@ use crate::equations::Workspace;
 use crate::joint::JointTransform;
 use crate::mechanism::{Body, BodyTree, Dof, Mechanism, RootwardAccumulator};
 use crate::spatial::{
-    AccelerationPerturbation, Matrix3, RigidInertia, Vector3, VelocityMoments, Wrench,
+    AccelerationPerturbation, Matrix3, RigidInertia, SpatialAxis, Vector3, VelocityMoments, Wrench,
 };
 
 /// The variables of the derivatives.
@@ -193,12 +193,16 @@ impl<S: Scalar> Entries<'_, S> {
 
 /// Returns the change, in the parent frame, of a wrench that is displaced with its body.
 pub(super) fn displaced<S: Scalar>(wrench: Wrench<S>, component: usize) -> Wrench<S> {
-    if let Some(k) = component.checked_sub(3) {
-        let moment = Vector3::unit(k).cross(wrench.force);
-        return Wrench { moment, force: Vector3::zero() };
+    match SpatialAxis::of(component) {
+        SpatialAxis::Linear(k) => {
+            let moment = Vector3::unit(k).cross(wrench.force);
+            Wrench { force: Vector3::zero(), moment }
+        }
+        SpatialAxis::Angular(k) => {
+            let s = Vector3::unit(k);
+            Wrench { force: s.cross(wrench.force), moment: s.cross(wrench.moment) }
+        }
     }
-    let s = Vector3::unit(component);
-    Wrench { moment: s.cross(wrench.moment), force: s.cross(wrench.force) }
 }
 
 /// The composite of a body and its descendants. The body rotates with half of `twice_omega`.
@@ -242,12 +246,15 @@ impl<'a, S: Scalar> Composite<'a, S> {
     /// Returns the dual column of a unit displacement in `component`.
     fn dual_column(&self, component: usize) -> DualColumn<S> {
         let RigidInertia { first_moment, second_moment, .. } = *self.inertia;
-        let coriolis = if let Some(k) = component.checked_sub(3) {
-            let momentum = self.velocities.first + self.twice_omega.cross(first_moment);
-            momentum.cross(Vector3::unit(k))
-        } else {
-            let spun = self.twice_omega.cross(Vector3::unit(component));
-            self.rotational.row(component) + second_moment.full().mul_vector(spun)
+        let coriolis = match SpatialAxis::of(component) {
+            SpatialAxis::Linear(k) => {
+                let momentum = self.velocities.first + self.twice_omega.cross(first_moment);
+                momentum.cross(Vector3::unit(k))
+            }
+            SpatialAxis::Angular(k) => {
+                let spun = self.twice_omega.cross(Vector3::unit(k));
+                self.rotational.row(k) + second_moment.full().mul_vector(spun)
+            }
         };
         DualColumn { wrench: self.inertia.column(component), coriolis }
     }

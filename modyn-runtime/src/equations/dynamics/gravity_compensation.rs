@@ -8,7 +8,7 @@ use crate::Scalar;
 use crate::equations::Workspace;
 use crate::equations::kinematics::first_moment::accumulate_masses;
 use crate::mechanism::{BodyTree, Mechanism};
-use crate::spatial::{RigidInertia, Vector3, Wrench};
+use crate::spatial::{RigidInertia, SpatialAxis, Vector3, Wrench};
 
 /// Computes gravity in the axes of each body (the linear part of `twists`), and the compensated
 /// composites (`composite`). Expects the joint transforms at q.
@@ -65,13 +65,16 @@ pub(in crate::equations) fn add_compensation_derivatives<S: Scalar>(
         let g = workspace.twists[dof.body].linear;
         // The change of the composite's weight by the displacement, in the axes before it and about
         // the origin before it; then in the axes of the body, about its origin.
-        let (mut change, own_change) = if let Some(k) = dof.component.checked_sub(3) {
-            let moment = Vector3::unit(k).scale(composite.mass).cross(g);
-            (Wrench { moment, force: Vector3::zero() }, Wrench::zero())
-        } else {
-            let s = Vector3::unit(dof.component);
-            let moment = s.cross(composite.first_moment).cross(g);
-            (Wrench { moment, force: Vector3::zero() }, weight(&composite, g.cross(s)))
+        let (mut change, own_change) = match dof.axis() {
+            SpatialAxis::Linear(k) => {
+                let moment = Vector3::unit(k).scale(composite.mass).cross(g);
+                (Wrench { moment, force: Vector3::zero() }, Wrench::zero())
+            }
+            SpatialAxis::Angular(k) => {
+                let s = Vector3::unit(k);
+                let moment = s.cross(composite.first_moment).cross(g);
+                (Wrench { moment, force: Vector3::zero() }, weight(&composite, g.cross(s)))
+            }
         };
         for row in model.bodies[dof.body].dofs.clone() {
             add(row, d, own_change.components()[model.dofs[row].component]);

@@ -16,7 +16,7 @@ use super::regressor;
 use crate::Portable;
 use crate::equations::kinematics::coordinates;
 use crate::equations::{Motion, Workspace};
-use crate::mechanism::Mechanism;
+use crate::mechanism::{Dof, Mechanism};
 use crate::model::{INERTIAL_PARAMETERS, Model, PARAMETERS_PER_LINK, longest_path};
 use crate::spatial::Vector3;
 
@@ -146,9 +146,8 @@ impl Unit {
     /// Returns the unit of each joint velocity: of a sliding joint m.
     fn of_velocities(self, mechanism: &Mechanism<Portable>) -> Vec<f64> {
         let mut units = vec![1.0; mechanism.nv];
-        // The first three components of a twist are angular.
-        for dof in mechanism.dofs.iter().filter(|dof| dof.multiplier.is_none() && dof.component > 2)
-        {
+        let slides = |dof: &&Dof<_>| dof.multiplier.is_none() && !dof.axis().is_angular();
+        for dof in mechanism.dofs.iter().filter(slides) {
             units[dof.v] = self.0;
         }
         units

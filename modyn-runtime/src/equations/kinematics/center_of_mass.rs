@@ -5,7 +5,7 @@ use super::kinematic_path;
 use crate::Scalar;
 use crate::equations::Workspace;
 use crate::mechanism::Mechanism;
-use crate::spatial::{RigidInertia, Vector3};
+use crate::spatial::{RigidInertia, SpatialAxis, Vector3};
 
 /// Returns the mass of the moving links, kg.
 pub fn total_mass<S: Scalar>(model: &Mechanism<S>) -> S {
@@ -55,10 +55,9 @@ pub fn center_of_mass_jacobian<S: Scalar>(
             first_moment
         };
         for dof in model.dofs_of(i) {
-            let along = if dof.component < 3 {
-                axes.mul_vector(Vector3::unit(dof.component).cross(first_moment))
-            } else {
-                axes.column(dof.component - 3).scale(mass)
+            let along = match dof.axis() {
+                SpatialAxis::Linear(k) => axes.column(k).scale(mass),
+                SpatialAxis::Angular(k) => axes.mul_vector(Vector3::unit(k).cross(first_moment)),
             };
             columns[dof.v] += dof.multiplier.map_or(along, |multiplier| along.scale(multiplier));
         }

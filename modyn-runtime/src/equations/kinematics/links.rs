@@ -5,7 +5,7 @@ use super::kinematic_path::{self, BodyMotion, OriginMotion};
 use crate::Scalar;
 use crate::equations::{Motion, State, Workspace};
 use crate::mechanism::{Body, BodyFrame, BodyTree, Mechanism};
-use crate::spatial::{Field, Matrix3, Pose, Twist, Vector3};
+use crate::spatial::{Field, Matrix3, Pose, SpatialAxis, Twist, Vector3};
 
 /// Computes the poses of all links of the description in the world, in the description's order.
 pub fn link_poses<S: Scalar>(
@@ -258,12 +258,12 @@ pub fn jacobian_time_derivative<S: Scalar>(
             Axes::Link => (seen.axes, -link.velocity.angular),
         };
         for dof in model.dofs_of(i) {
-            let (angular, linear, drift) = match dof.component.checked_sub(3) {
-                None => {
-                    let s = Vector3::unit(dof.component);
+            let (angular, linear, drift) = match dof.axis() {
+                SpatialAxis::Linear(k) => (Vector3::zero(), Vector3::unit(k), Vector3::zero()),
+                SpatialAxis::Angular(k) => {
+                    let s = Vector3::unit(k);
                     (s, s.cross(link.point), s.cross(link.velocity.linear))
                 }
-                Some(k) => (Vector3::zero(), Vector3::unit(k), Vector3::zero()),
             };
             let along = Twist {
                 angular: axes.mul_vector(omega.cross(angular)),
@@ -373,11 +373,12 @@ pub(in crate::equations) fn column_along<S: Scalar>(
     axes: &Matrix3<S>,
     lever: Vector3<S>,
 ) -> Twist<S> {
-    if component < 3 {
-        let linear = Vector3::unit(component).cross(lever);
-        Twist { angular: axes.column(component), linear: axes.mul_vector(linear) }
-    } else {
-        Twist { angular: Vector3::zero(), linear: axes.column(component - 3) }
+    match SpatialAxis::of(component) {
+        SpatialAxis::Linear(k) => Twist { linear: axes.column(k), angular: Vector3::zero() },
+        SpatialAxis::Angular(k) => {
+            let linear = Vector3::unit(k).cross(lever);
+            Twist { linear: axes.mul_vector(linear), angular: axes.column(k) }
+        }
     }
 }
 

@@ -35,9 +35,9 @@ macro_rules! pairs {
 }
 
 pairs! {
-    Twist angular linear;
-    Momentum angular linear;
-    Wrench moment force;
+    Twist linear angular;
+    Momentum linear angular;
+    Wrench force moment;
 }
 
 impl<S: Scalar> Components<S> for Vector3<S> {

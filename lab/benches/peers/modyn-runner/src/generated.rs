@@ -130,8 +130,8 @@ macro_rules! columns {
 
 columns! {
     Vector3 { 0: [X; 3] }
-    Wrench { moment: modyn::Vector3<X>, force: modyn::Vector3<X> }
-    Twist { angular: modyn::Vector3<X>, linear: modyn::Vector3<X> }
+    Wrench { force: modyn::Vector3<X>, moment: modyn::Vector3<X> }
+    Twist { linear: modyn::Vector3<X>, angular: modyn::Vector3<X> }
 }
 
 /// Measures forward dynamics of all states in one call.
