@@ -183,12 +183,12 @@ fn main() {
     row!(bench, "`arm7`, derivatives of inverse dynamics", Arm7 on f64;
         inverse_dynamics_derivatives, inverse_dynamics_derivatives_batch,
         inverse_dynamics_derivatives_each (q, qd, qdd);
-        InverseDynamicsDerivatives { dq: ZERO, dqd: ZERO }, 2 * N * N,
+        InverseDynamicsDerivatives { dtau_dq: ZERO, dtau_dqd: ZERO }, 2 * N * N,
         |rest| (matrix(rest), matrix(rest)));
     row!(bench, "`arm7`, derivatives of forward dynamics", Arm7 on f64;
         forward_dynamics_derivatives, forward_dynamics_derivatives_batch,
         forward_dynamics_derivatives_each (q, qd, tau);
-        ForwardDynamicsDerivatives { qdd: [0.0; N], dq: ZERO, dqd: ZERO, dtau: ZERO }, N + 3 * N * N,
+        ForwardDynamicsDerivatives { qdd: [0.0; N], dqdd_dq: ZERO, dqdd_dqd: ZERO, dqdd_dtau: ZERO }, N + 3 * N * N,
         |rest| (vector(rest), matrix(rest), matrix(rest), matrix(rest)));
     row!(bench, "`quadruped`, forward dynamics", Quadruped on f64;
         forward_dynamics, forward_dynamics_batch, forward_dynamics_each (q, qd, tau);

@@ -73,7 +73,7 @@ pub fn close_loops(
     let mut dq = vec![0.0; qd.len()];
     let mut dqd = vec![0.0; qd.len()];
     for _ in 0..PROJECTIONS {
-        let outputs = ProjectionOutputs { dq: &mut dq, dqd: &mut dqd };
+        let outputs = ProjectionOutputs { step_q: &mut dq, step_qd: &mut dqd };
         interpreter
             .project_constraints(State { q: &q, qd: &qd }, &inactive, &settings, outputs)
             .map_err(shape)?;
@@ -81,7 +81,7 @@ pub fn close_loops(
         interpreter.integrate(&before, &dq, &mut q).map_err(shape)?;
     }
     // Velocities come last: a redundant loop that is open can be locked.
-    let outputs = ProjectionOutputs { dq: &mut dq, dqd: &mut dqd };
+    let outputs = ProjectionOutputs { step_q: &mut dq, step_qd: &mut dqd };
     interpreter
         .project_constraints(State { q: &q, qd: &qd }, &inactive, &settings, outputs)
         .map_err(shape)?;

@@ -237,7 +237,7 @@ impl Builder {
     /// is a function `name` of the generated type, over the function's arguments. Its derivatives
     /// are functions whose names begin with `name`:
     ///
-    /// - `.._jvp`: the value, and its change along changes `dq`, ... of the variables
+    /// - `.._jvp`: the value, and its tangent along the tangents `tangent_q`, ... of the variables
     /// - `.._gradient`: the value, and the gradient with respect to each variable, of a function of
     ///   one result
     /// - `.._vjp`: the value, and the gradients of `cotangent`^T value, of a function of several
@@ -245,8 +245,8 @@ impl Builder {
     /// - `.._jacobian`: the value, and its derivatives with respect to each variable by columns, of
     ///   a function of several results
     /// - `.._hessian`: the value, and the gradients and the Hessian of `cotangent`^T value (of the
-    ///   value, if that is one number): a block `dq_dqd` has a row for each entry of the variable
-    ///   `q` and a column for each entry of `qd`
+    ///   value, if that is one number): a block `hess_q_qd` has a row for each entry of the
+    ///   variable `q` and a column for each entry of `qd`
     ///
     /// Derivatives with respect to coordinates are in tangent space. A result is a type of the
     /// robot's own.

@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use modyn_codegen::Function;
+use modyn_codegen::plan::{Shape, Sizes};
 
 fn file(path: &str) -> String {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(path);
@@ -117,6 +118,38 @@ fn a_batch_has_its_functions_arguments() {
         assert_eq!(names(*function), names(one));
         assert!(!function.row().default);
     }
+}
+
+/// Arguments and results that are derivatives say of which kind they are, and with respect to what.
+#[test]
+fn derivatives_have_names_of_one_rule() {
+    let variables = ["q", "qd", "qdd", "tau", "ctrl", "act", "x", "u", "v", "from", "to"];
+    let mut derivatives = 0;
+    for function in Function::ALL.iter().filter(|function| function.batched().is_none()) {
+        let mut names: Vec<&str> = function.row().arguments.iter().map(|a| a.name).collect();
+        if let Shape::Record(_, fields) = (function.row().result)(&Sizes::default()) {
+            names.extend(fields.iter().map(|(name, _)| *name));
+        }
+        for name in names {
+            let kinds: &[&str] = match name.split_once('_') {
+                Some(("grad", _)) => &["_vjp", "_hessian"],
+                Some(("hess", _)) => &["_hessian"],
+                Some(("tangent", _)) => &["_jvp"],
+                Some((_, by)) if by.strip_prefix('d').is_some_and(|x| variables.contains(&x)) => {
+                    &["_derivatives", "generalized_forces", "generalized_forces_local"]
+                }
+                _ => {
+                    let variable = name.strip_prefix('d').unwrap_or_default();
+                    assert!(!variables.contains(&variable), "{function:?}: {name}");
+                    continue;
+                }
+            };
+            derivatives += 1;
+            let named = function.name();
+            assert!(kinds.iter().any(|kind| named.ends_with(kind)), "{named}: {name}");
+        }
+    }
+    assert!(derivatives > 60, "{derivatives}");
 }
 
 /// The page for users of other libraries names functions that there are.

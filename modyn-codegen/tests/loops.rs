@@ -712,7 +712,7 @@ fn what_gets_compiled_is_what_the_interpreter_computes() {
             let found = graphs[1].evaluate(&[&*q, &qd].concat());
             assert_near(&found, &errors(&mut interpreter, &q, &qd).concat(), 1e-12);
             let (mut dq, mut dqd) = (vec![0.0; qd.len()], vec![0.0; qd.len()]);
-            let into = ProjectionOutputs { dq: &mut dq, dqd: &mut dqd };
+            let into = ProjectionOutputs { step_q: &mut dq, step_qd: &mut dqd };
             let rank = interpreter
                 .project_constraints(State { q: &q, qd: &qd }, &[], &settings, into)
                 .expect("fits");
@@ -741,7 +741,7 @@ fn steps_close_the_loops() {
         let mut qd = random.vector(n, 1.0);
         let mut step = |q: &mut Vec<f64>, qd: &mut Vec<f64>| {
             let (mut dq, mut dqd) = (vec![0.0; n], vec![0.0; n]);
-            let into = ProjectionOutputs { dq: &mut dq, dqd: &mut dqd };
+            let into = ProjectionOutputs { step_q: &mut dq, step_qd: &mut dqd };
             interpreter.project_constraints(State { q, qd }, &[], &settings, into).expect("fits");
             let [displacements, velocities] = errors(&mut interpreter, q, qd);
             let norm = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>().sqrt();
@@ -769,7 +769,7 @@ fn closed_state(interpreter: &mut Interpreter, random: &mut Random) -> [Vec<f64>
     for _ in 0..40 {
         let mut dq = vec![0.0; qd.len()];
         let mut dqd = vec![0.0; qd.len()];
-        let into = ProjectionOutputs { dq: &mut dq, dqd: &mut dqd };
+        let into = ProjectionOutputs { step_q: &mut dq, step_qd: &mut dqd };
         let state = State { q: &q, qd: &qd };
         interpreter.project_constraints(state, &[], &settings, into).expect("fits");
         let mut moved = vec![0.0; q.len()];

@@ -104,7 +104,7 @@ fn compare(builder: &Builder, function: Function) -> Comparison {
                 }
                 match *name {
                     "forces" => acting += expected[range].iter().filter(|x| **x != 0.0).count(),
-                    "a" | "dx" => largest = largest.max(scale),
+                    "a" | "grad_x" | "tangent_x" => largest = largest.max(scale),
                     _ => {}
                 }
             }

@@ -48,27 +48,27 @@ impl UserFunction<3> for Reach {
 }
 
 /// A function of these arguments that returns their first numbers, or something else.
-struct Other<F> {
-    arguments: Vec<UserArgument>,
+struct Other<F, const N: usize> {
+    arguments: [UserArgument; N],
     results: F,
 }
 
-impl<F: Fn(usize) -> Vec<f64>> UserFunction<2> for Other<F> {
+impl<F: Fn(usize) -> Vec<f64>, const N: usize> UserFunction<N> for Other<F, N> {
     fn docs(&self) -> String {
         "Returns numbers.".into()
     }
 
-    fn arguments(&self) -> [UserArgument; 2] {
-        [self.arguments[0], self.arguments[1]]
+    fn arguments(&self) -> [UserArgument; N] {
+        self.arguments
     }
 
     fn evaluate<S: Scalar>(
         &self,
         robot: &mut Interpreter<S>,
-        [first, _]: [&[S]; 2],
+        arguments: [&[S]; N],
     ) -> Result<Vec<S>, UserError> {
         let factors = (self.results)(robot.model().nv());
-        Ok(factors.into_iter().map(|factor| S::from_f64(factor) * first[0]).collect())
+        Ok(factors.into_iter().map(|factor| S::from_f64(factor) * arguments[0][0]).collect())
     }
 }
 
@@ -131,14 +131,21 @@ fn arguments_with_an_error_are_refused() {
         (numbers("cotangent"), "the argument `cotangent` has another meaning"),
         (UserArgument::numbers("target", 0), "the argument `target` has no numbers"),
         (UserArgument::Q, "two arguments have the name `q`"),
-        (UserArgument::velocities("dq"), "its derivatives have another argument `dq`"),
+        (
+            UserArgument::velocities("tangent_q"),
+            "its derivatives have another argument `tangent_q`",
+        ),
     ] {
-        let arguments = vec![UserArgument::Q, other];
+        let arguments = [UserArgument::Q, other];
         let found = refused(
             robot("arm7").function("own_function", Other { arguments, results: |_| vec![1.0] }),
         );
         assert!(found.contains("function `own_function`: ") && found.contains(message), "{found}");
     }
+    let arguments = ["x", "x_x", "x_x_x"].map(numbers);
+    let found = refused(robot("arm7").function("own", Other { arguments, results: |_| vec![1.0] }));
+    let message = "function `own`: two blocks of its Hessian have the name `hess_x_x_x_x`";
+    assert!(found.contains(message), "{found}");
 }
 
 /// Returns a number of another trace, whatever `S` is.
@@ -175,14 +182,14 @@ fn functions_that_cannot_be_traced_are_refused() {
     });
     let found = refused(robot("arm7").function("stored", Foreign(kept.expect("traced"))));
     assert!(found.contains("function `stored`: it used an expression of another trace"), "{found}");
-    let arguments = vec![UserArgument::Q, UserArgument::QD];
+    let arguments = [UserArgument::Q, UserArgument::QD];
     for (results, message) in [
         (Vec::new(), "it has no results"),
         (vec![f64::NAN], "it has a constant that is not a finite number"),
         (vec![1.0, f64::INFINITY], "it has a constant that is not a finite number"),
     ] {
         let results = move |_| results.clone();
-        let function = Other { arguments: arguments.clone(), results };
+        let function = Other { arguments, results };
         let found = refused(robot("arm7").function("numbers", function));
         assert!(found.contains(message), "{found}");
     }
@@ -278,14 +285,14 @@ fn the_text_has_functions_and_types() {
     for line in [
         "/// No comment ends here: * / / *   { }",
         "pub fn reach(q: &[f64; 7], qd: &[f64; 7], target: &[f64; 3]) -> f64 {",
-        "pub fn reach_jvp(q: &[f64; 7], qd: &[f64; 7], target: &[f64; 3], dq: &[f64; 7], dqd: &[f64; 7]) -> ArmReachJvp<f64> {",
+        "pub fn reach_jvp(q: &[f64; 7], qd: &[f64; 7], target: &[f64; 3], tangent_q: &[f64; 7], tangent_qd: &[f64; 7]) -> ArmReachJvp<f64> {",
         "/// Returns the value of `reach`, and the gradients of `reach`. Derivatives with respect to `q` are in tangent",
         "pub fn reach_gradient(q: &[f64; 7], qd: &[f64; 7], target: &[f64; 3]) -> ArmReachGradient<f64> {",
         "pub struct ArmReachHessian<T = f64> {",
         "    /// The gradient of `reach` with respect to `q`.",
-        "    pub dq: [T; 7],",
+        "    pub grad_q: [T; 7],",
         "    /// The second derivatives of `reach` with respect to `q` (rows) and `qd` (columns), by columns.",
-        "    pub dq_dqd: [[T; 7]; 7],",
+        "    pub hess_q_qd: [[T; 7]; 7],",
         "pub fn reach_hessian_batch(",
         "/// - function `reach(q, qd, target)` of the user, also for many states",
     ] {
@@ -293,7 +300,7 @@ fn the_text_has_functions_and_types() {
     }
     // Neither a pose nor a velocity depends on gravity.
     assert!(!generated.text.contains("reach_with"));
-    for none in ["pub fn reach_vjp", "pub fn reach_jacobian", "dtarget"] {
+    for none in ["pub fn reach_vjp", "pub fn reach_jacobian", "tangent_target", "grad_target"] {
         assert!(!generated.text.contains(none), "{none}");
     }
     let first = Reach { derivatives: UserDerivatives::First, ..REACH };
@@ -308,7 +315,7 @@ fn the_text_has_functions_and_types() {
     let none = Reach { derivatives: UserDerivatives::None, ..REACH };
     assert_eq!(names(builder.clone().function("reach", none)), ["reach"]);
     // A function of constants has no derivatives.
-    let arguments = vec![UserArgument::Q.constant(), UserArgument::number("u")];
+    let arguments = [UserArgument::Q.constant(), UserArgument::number("u")];
     let constant = Other { arguments, results: |n| vec![1.0; n] };
     assert_eq!(names(builder.function("constant", constant)), ["constant"]);
 }
@@ -438,7 +445,7 @@ fn fused_functions_with_an_error_are_refused() {
     let found = fused(robot("arm7"), "cost");
     assert!(found.contains("add it with `Builder::function`"), "{found}");
     // The weights of three results, and of seven accelerations.
-    let arguments = vec![UserArgument::Q, UserArgument::QD];
+    let arguments = [UserArgument::Q, UserArgument::QD];
     let three = Other { arguments, results: |_| vec![1.0; 3] };
     let found = fused(robot("arm7").function("three", three), "three_vjp");
     let message = "`forward_dynamics_hessian` and `three_vjp` have different arguments `cotangent`";

@@ -550,7 +550,7 @@ pub fn default_settings<S: Number>(kind: ArgumentKind, model: &Model) -> Vec<S> 
 
 /// Returns whether an argument is zeros where it is not given.
 pub fn has_zeros(argument: &str) -> bool {
-    ["applied", "warm_start", "act_costate", "dact"].contains(&argument)
+    ["applied", "warm_start", "act_cotangent", "tangent_act"].contains(&argument)
 }
 
 fn evaluated<S: Number>(planning: Planning) -> Option<Evaluated<S>> {

@@ -221,8 +221,8 @@ impl Robot {
     /// respect to `q` (in tangent space). The wrenches rotate with their links.
     ///
     /// Arguments: `q`: (nq,); `forces`: (links, 6), forces before moments.
-    /// Result: `GeneralizedForces`: `tau` (nv,), `dq` (nv, nv). Several states have one more axis,
-    /// the first.
+    /// Result: `GeneralizedForces`: `tau` (nv,), `dtau_dq` (nv, nv). Several states have one more
+    /// axis, the first.
     #[pyo3(signature = (q, forces, *, out=None))]
     fn generalized_forces_local<'py>(
         &self,
@@ -239,8 +239,8 @@ impl Robot {
     /// (in tangent space). The wrenches keep their directions.
     ///
     /// Arguments: `q`: (nq,); `forces`: (links, 6), forces before moments.
-    /// Result: `GeneralizedForces`: `tau` (nv,), `dq` (nv, nv). Several states have one more axis,
-    /// the first.
+    /// Result: `GeneralizedForces`: `tau` (nv,), `dtau_dq` (nv, nv). Several states have one more
+    /// axis, the first.
     #[pyo3(signature = (q, forces, *, out=None))]
     fn generalized_forces<'py>(
         &self,
@@ -256,8 +256,8 @@ impl Robot {
     /// The derivative with respect to `qdd` is the mass matrix.
     ///
     /// Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,).
-    /// Result: `InverseDynamicsDerivatives`: `dq` (nv, nv), `dqd` (nv, nv). Several states have one
-    /// more axis, the first.
+    /// Result: `InverseDynamicsDerivatives`: `dtau_dq` (nv, nv), `dtau_dqd` (nv, nv). Several
+    /// states have one more axis, the first.
     #[pyo3(signature = (q, qd, qdd, *, out=None))]
     fn inverse_dynamics_derivatives<'py>(
         &self,
@@ -274,8 +274,8 @@ impl Robot {
     /// (in tangent space), `qd` and `tau`.
     ///
     /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,).
-    /// Result: `ForwardDynamicsDerivatives`: `qdd` (nv,), `dq` (nv, nv), `dqd` (nv, nv), `dtau`
-    /// (nv, nv). Several states have one more axis, the first.
+    /// Result: `ForwardDynamicsDerivatives`: `qdd` (nv,), `dqdd_dq` (nv, nv), `dqdd_dqd` (nv, nv),
+    /// `dqdd_dtau` (nv, nv). Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, tau, *, out=None))]
     fn forward_dynamics_derivatives<'py>(
         &self,
@@ -293,8 +293,8 @@ impl Robot {
     /// and `qdd`.
     ///
     /// Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,); `cotangent`: (nv,).
-    /// Result: `InverseDynamicsVjp`: `tau` (nv,), `dq` (nv,), `dqd` (nv,), `dqdd` (nv,). Several
-    /// states have one more axis, the first.
+    /// Result: `InverseDynamicsVjp`: `tau` (nv,), `grad_q` (nv,), `grad_qd` (nv,), `grad_qdd`
+    /// (nv,). Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, qdd, cotangent, *, out=None))]
     fn inverse_dynamics_vjp<'py>(
         &self,
@@ -308,33 +308,34 @@ impl Robot {
         self.call(py, 17, &[Some(q), Some(qd), Some(qdd), Some(cotangent)], None, out)
     }
 
-    /// Returns the joint forces tau of `qdd`, and their change under the changes `dq` (in tangent
-    /// space), `dqd` and `dqdd`.
+    /// Returns the joint forces tau of `qdd`, and their change under the changes `tangent_q` (in
+    /// tangent space), `tangent_qd` and `tangent_qdd`.
     ///
-    /// Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,); `dq`: (nv,); `dqd`: (nv,); `dqdd`: (nv,).
-    /// Result: `InverseDynamicsJvp`: `tau` (nv,), `dtau` (nv,). Several states have one more axis,
-    /// the first.
-    #[pyo3(signature = (q, qd, qdd, dq, dqd, dqdd, *, out=None))]
+    /// Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,); `tangent_q`: (nv,); `tangent_qd`: (nv,);
+    /// `tangent_qdd`: (nv,).
+    /// Result: `InverseDynamicsJvp`: `tau` (nv,), `tangent_tau` (nv,). Several states have one more
+    /// axis, the first.
+    #[pyo3(signature = (q, qd, qdd, tangent_q, tangent_qd, tangent_qdd, *, out=None))]
     fn inverse_dynamics_jvp<'py>(
         &self,
         py: Python<'py>,
         q: &Bound<'py, PyAny>,
         qd: &Bound<'py, PyAny>,
         qdd: &Bound<'py, PyAny>,
-        dq: &Bound<'py, PyAny>,
-        dqd: &Bound<'py, PyAny>,
-        dqdd: &Bound<'py, PyAny>,
+        tangent_q: &Bound<'py, PyAny>,
+        tangent_qd: &Bound<'py, PyAny>,
+        tangent_qdd: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 18, &[Some(q), Some(qd), Some(qdd), Some(dq), Some(dqd), Some(dqdd)], None, out)
+        self.call(py, 18, &[Some(q), Some(qd), Some(qdd), Some(tangent_q), Some(tangent_qd), Some(tangent_qdd)], None, out)
     }
 
     /// Returns the accelerations qdd, and the products of `cotangent` with their derivatives: the
     /// gradients of `cotangent`^T qdd with respect to `q` (in tangent space), `qd` and `tau`.
     ///
     /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `cotangent`: (nv,).
-    /// Result: `ForwardDynamicsVjp`: `qdd` (nv,), `dq` (nv,), `dqd` (nv,), `dtau` (nv,). Several
-    /// states have one more axis, the first.
+    /// Result: `ForwardDynamicsVjp`: `qdd` (nv,), `grad_q` (nv,), `grad_qd` (nv,), `grad_tau`
+    /// (nv,). Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, tau, cotangent, *, out=None))]
     fn forward_dynamics_vjp<'py>(
         &self,
@@ -348,25 +349,26 @@ impl Robot {
         self.call(py, 19, &[Some(q), Some(qd), Some(tau), Some(cotangent)], None, out)
     }
 
-    /// Returns the accelerations qdd, and their change under the changes `dq` (in tangent space),
-    /// `dqd` and `dtau`.
+    /// Returns the accelerations qdd, and their change under the changes `tangent_q` (in tangent
+    /// space), `tangent_qd` and `tangent_tau`.
     ///
-    /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dq`: (nv,); `dqd`: (nv,); `dtau`: (nv,).
-    /// Result: `ForwardDynamicsJvp`: `qdd` (nv,), `dqdd` (nv,). Several states have one more axis,
-    /// the first.
-    #[pyo3(signature = (q, qd, tau, dq, dqd, dtau, *, out=None))]
+    /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `tangent_q`: (nv,); `tangent_qd`: (nv,);
+    /// `tangent_tau`: (nv,).
+    /// Result: `ForwardDynamicsJvp`: `qdd` (nv,), `tangent_qdd` (nv,). Several states have one more
+    /// axis, the first.
+    #[pyo3(signature = (q, qd, tau, tangent_q, tangent_qd, tangent_tau, *, out=None))]
     fn forward_dynamics_jvp<'py>(
         &self,
         py: Python<'py>,
         q: &Bound<'py, PyAny>,
         qd: &Bound<'py, PyAny>,
         tau: &Bound<'py, PyAny>,
-        dq: &Bound<'py, PyAny>,
-        dqd: &Bound<'py, PyAny>,
-        dtau: &Bound<'py, PyAny>,
+        tangent_q: &Bound<'py, PyAny>,
+        tangent_qd: &Bound<'py, PyAny>,
+        tangent_tau: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 20, &[Some(q), Some(qd), Some(tau), Some(dq), Some(dqd), Some(dtau)], None, out)
+        self.call(py, 20, &[Some(q), Some(qd), Some(tau), Some(tangent_q), Some(tangent_qd), Some(tangent_tau)], None, out)
     }
 
     /// Returns the joint forces tau of `qdd`, and the gradients and the Hessian of `cotangent`^T
@@ -374,9 +376,9 @@ impl Robot {
     /// of `qdd` and `qdd` are zero.
     ///
     /// Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,); `cotangent`: (nv,).
-    /// Result: `InverseDynamicsHessian`: `tau` (nv,), `dq` (nv,), `dqd` (nv,), `dqdd` (nv,),
-    /// `dq_dq` (nv, nv), `dq_dqd` (nv, nv), `dqd_dqd` (nv, nv), `dq_dqdd` (nv, nv). Several states
-    /// have one more axis, the first.
+    /// Result: `InverseDynamicsHessian`: `tau` (nv,), `grad_q` (nv,), `grad_qd` (nv,), `grad_qdd`
+    /// (nv,), `hess_q_q` (nv, nv), `hess_q_qd` (nv, nv), `hess_qd_qd` (nv, nv), `hess_q_qdd` (nv,
+    /// nv). Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, qdd, cotangent, *, out=None))]
     fn inverse_dynamics_hessian<'py>(
         &self,
@@ -395,9 +397,9 @@ impl Robot {
     /// and `tau` are zero.
     ///
     /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `cotangent`: (nv,).
-    /// Result: `ForwardDynamicsHessian`: `qdd` (nv,), `dq` (nv,), `dqd` (nv,), `dtau` (nv,),
-    /// `dq_dq` (nv, nv), `dq_dqd` (nv, nv), `dqd_dqd` (nv, nv), `dq_dtau` (nv, nv). Several states
-    /// have one more axis, the first.
+    /// Result: `ForwardDynamicsHessian`: `qdd` (nv,), `grad_q` (nv,), `grad_qd` (nv,), `grad_tau`
+    /// (nv,), `hess_q_q` (nv, nv), `hess_q_qd` (nv, nv), `hess_qd_qd` (nv, nv), `hess_q_tau` (nv,
+    /// nv). Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, tau, cotangent, *, out=None))]
     fn forward_dynamics_hessian<'py>(
         &self,
@@ -450,16 +452,17 @@ impl Robot {
     }
 
     /// Returns the state after the time `dt` (s) by the semi-implicit Euler method, and the
-    /// gradients and the Hessian of `costate`^T state: `dx` and `dtau` with respect to the state
-    /// before and `tau`, and `dx_dx`, `dx_dtau` and `dtau_dtau`. A state has the entries of q (in
-    /// tangent space), then the entries of qd. Displacements of the state after the step are in
-    /// tangent space, too.
+    /// gradients and the Hessian of `state_cotangent`^T state: `grad_x` and `grad_tau` with respect
+    /// to the state before and `tau`, and `hess_x_x`, `hess_x_tau` and `hess_tau_tau`. A state has
+    /// the entries of q (in tangent space), then the entries of qd. Displacements of the state
+    /// after the step are in tangent space, too.
     ///
-    /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number; `costate`: (2 nv,).
-    /// Result: `StepHessian`: `q` (nq,), `qd` (nv,), `dx` (2 nv,), `dtau` (nv,), `dx_dx` (2 nv, 2
-    /// nv), `dx_dtau` (2 nv, nv), `dtau_dtau` (nv, nv). Several states have one more axis, the
-    /// first.
-    #[pyo3(signature = (q, qd, tau, dt, costate, *, out=None))]
+    /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number; `state_cotangent`: (2
+    /// nv,).
+    /// Result: `StepHessian`: `q` (nq,), `qd` (nv,), `grad_x` (2 nv,), `grad_tau` (nv,), `hess_x_x`
+    /// (2 nv, 2 nv), `hess_x_tau` (2 nv, nv), `hess_tau_tau` (nv, nv). Several states have one more
+    /// axis, the first.
+    #[pyo3(signature = (q, qd, tau, dt, state_cotangent, *, out=None))]
     fn step_semi_implicit_hessian<'py>(
         &self,
         py: Python<'py>,
@@ -467,10 +470,10 @@ impl Robot {
         qd: &Bound<'py, PyAny>,
         tau: &Bound<'py, PyAny>,
         dt: &Bound<'py, PyAny>,
-        costate: &Bound<'py, PyAny>,
+        state_cotangent: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 25, &[Some(q), Some(qd), Some(tau), Some(dt), Some(costate)], None, out)
+        self.call(py, 25, &[Some(q), Some(qd), Some(tau), Some(dt), Some(state_cotangent)], None, out)
     }
 
     /// Returns the state after the time `dt` (s) under the constant joint forces `tau`, by a
@@ -608,8 +611,8 @@ impl Robot {
     /// Arguments: `q`: (nq,); `qd`: (nv,); `contacts`: the names of the active contacts, or
     /// (contacts,), 1 for each active one, else 0; by default all are; `settings`:
     /// `ConstraintSettings`, by default with the ground at z = 0 under all contacts.
-    /// Result: `ConstraintProjection`: `dq` (nv,), `dqd` (nv,), `rank` a number. Several states
-    /// have one more axis, the first.
+    /// Result: `ConstraintProjection`: `step_q` (nv,), `step_qd` (nv,), `rank` a number. Several
+    /// states have one more axis, the first.
     #[pyo3(signature = (q, qd, contacts=None, settings=None, *, out=None))]
     fn project_constraints<'py>(
         &self,
@@ -632,9 +635,9 @@ impl Robot {
     /// contacts, or (contacts,), 1 for each active one, else 0; by default all are; `settings`:
     /// `ConstraintSettings`, by default with the ground at z = 0 under all contacts.
     /// Result: `ConstrainedForwardDynamicsDerivatives`: `qdd` (nv,), `wrenches` (constraints, 6),
-    /// `dq` (nv, nv), `dqd` (nv, nv), `dtau` (nv, nv), `wrenches_dq` (constraints, 6, nv),
-    /// `wrenches_dqd` (constraints, 6, nv), `wrenches_dtau` (constraints, 6, nv), `rank` a number,
-    /// forces before moments. Several states have one more axis, the first.
+    /// `dqdd_dq` (nv, nv), `dqdd_dqd` (nv, nv), `dqdd_dtau` (nv, nv), `dwrenches_dq` (constraints,
+    /// 6, nv), `dwrenches_dqd` (constraints, 6, nv), `dwrenches_dtau` (constraints, 6, nv), `rank`
+    /// a number, forces before moments. Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, tau, contacts=None, settings=None, *, out=None))]
     fn constrained_forward_dynamics_derivatives<'py>(
         &self,
@@ -659,10 +662,10 @@ impl Robot {
     /// (constraints, 6), forces before moments; `contacts`: the names of the active contacts, or
     /// (contacts,), 1 for each active one, else 0; by default all are; `settings`:
     /// `ConstraintSettings`, by default with the ground at z = 0 under all contacts.
-    /// Result: `ConstrainedForwardDynamicsHessian`: `qdd` (nv,), `wrenches` (constraints, 6), `dq`
-    /// (nv,), `dqd` (nv,), `dtau` (nv,), `dq_dq` (nv, nv), `dq_dqd` (nv, nv), `dqd_dqd` (nv, nv),
-    /// `dq_dtau` (nv, nv), `rank` a number, forces before moments. Several states have one more
-    /// axis, the first.
+    /// Result: `ConstrainedForwardDynamicsHessian`: `qdd` (nv,), `wrenches` (constraints, 6),
+    /// `grad_q` (nv,), `grad_qd` (nv,), `grad_tau` (nv,), `hess_q_q` (nv, nv), `hess_q_qd` (nv,
+    /// nv), `hess_qd_qd` (nv, nv), `hess_q_tau` (nv, nv), `rank` a number, forces before moments.
+    /// Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, tau, cotangent, wrench_cotangent, contacts=None, settings=None, *, out=None))]
     fn constrained_forward_dynamics_hessian<'py>(
         &self,
@@ -755,17 +758,17 @@ impl Robot {
         self.call(py, 37, &[Some(q), Some(qd), Some(tau), Some(dt), warm_start, settings], None, out)
     }
 
-    /// Returns the results of `step`, and the gradients of `costate`^T state after it with respect
-    /// to the state before, `dx`, and to `tau`. A state has the entries of q (in tangent space),
-    /// then the entries of qd. At kinks they are as in `step_derivatives`.
+    /// Returns the results of `step`, and the gradients of `state_cotangent`^T state after it:
+    /// `grad_x` with respect to the state before, and `grad_tau`. A state has the entries of q (in
+    /// tangent space), then the entries of qd. At kinks they are as in `step_derivatives`.
     ///
-    /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number; `costate`: (2 nv,);
-    /// `warm_start`: (nv,), by default zeros; `settings`: `StepSettings`, by default the result of
-    /// `step_settings()`.
-    /// Result: `StepVjp`: `q` (nq,), `qd` (nv,), `qdd` (nv,), `forces` (touching points, 3), `dx`
-    /// (2 nv,), `dtau` (nv,), `residual` a number, `iterations` a number. Several states have one
-    /// more axis, the first.
-    #[pyo3(signature = (q, qd, tau, dt, costate, warm_start=None, settings=None, *, out=None))]
+    /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number; `state_cotangent`: (2
+    /// nv,); `warm_start`: (nv,), by default zeros; `settings`: `StepSettings`, by default the
+    /// result of `step_settings()`.
+    /// Result: `StepVjp`: `q` (nq,), `qd` (nv,), `qdd` (nv,), `forces` (touching points, 3),
+    /// `grad_x` (2 nv,), `grad_tau` (nv,), `residual` a number, `iterations` a number. Several
+    /// states have one more axis, the first.
+    #[pyo3(signature = (q, qd, tau, dt, state_cotangent, warm_start=None, settings=None, *, out=None))]
     fn step_vjp<'py>(
         &self,
         py: Python<'py>,
@@ -773,40 +776,41 @@ impl Robot {
         qd: &Bound<'py, PyAny>,
         tau: &Bound<'py, PyAny>,
         dt: &Bound<'py, PyAny>,
-        costate: &Bound<'py, PyAny>,
+        state_cotangent: &Bound<'py, PyAny>,
         warm_start: Argument<'_, 'py>,
         settings: Argument<'_, 'py>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 38, &[Some(q), Some(qd), Some(tau), Some(dt), Some(costate), warm_start, settings], None, out)
+        self.call(py, 38, &[Some(q), Some(qd), Some(tau), Some(dt), Some(state_cotangent), warm_start, settings], None, out)
     }
 
-    /// Returns the results of `step`, and the change `dx` of the state after it under the changes
-    /// `dq` (in tangent space), `dqd` and `dtau`. A state has the entries of q (in tangent space),
-    /// then the entries of qd. At kinks it is as in `step_derivatives`.
+    /// Returns the results of `step`, and the change `tangent_x` of the state after it under the
+    /// changes `tangent_q` (in tangent space), `tangent_qd` and `tangent_tau`. A state has the
+    /// entries of q (in tangent space), then the entries of qd. At kinks it is as in
+    /// `step_derivatives`.
     ///
-    /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dq`: (nv,); `dqd`: (nv,); `dtau`: (nv,);
-    /// `dt`: a number; `warm_start`: (nv,), by default zeros; `settings`: `StepSettings`, by
-    /// default the result of `step_settings()`.
-    /// Result: `StepJvp`: `q` (nq,), `qd` (nv,), `qdd` (nv,), `forces` (touching points, 3), `dx`
-    /// (2 nv,), `residual` a number, `iterations` a number. Several states have one more axis, the
-    /// first.
-    #[pyo3(signature = (q, qd, tau, dq, dqd, dtau, dt, warm_start=None, settings=None, *, out=None))]
+    /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `tangent_q`: (nv,); `tangent_qd`: (nv,);
+    /// `tangent_tau`: (nv,); `dt`: a number; `warm_start`: (nv,), by default zeros; `settings`:
+    /// `StepSettings`, by default the result of `step_settings()`.
+    /// Result: `StepJvp`: `q` (nq,), `qd` (nv,), `qdd` (nv,), `forces` (touching points, 3),
+    /// `tangent_x` (2 nv,), `residual` a number, `iterations` a number. Several states have one
+    /// more axis, the first.
+    #[pyo3(signature = (q, qd, tau, tangent_q, tangent_qd, tangent_tau, dt, warm_start=None, settings=None, *, out=None))]
     fn step_jvp<'py>(
         &self,
         py: Python<'py>,
         q: &Bound<'py, PyAny>,
         qd: &Bound<'py, PyAny>,
         tau: &Bound<'py, PyAny>,
-        dq: &Bound<'py, PyAny>,
-        dqd: &Bound<'py, PyAny>,
-        dtau: &Bound<'py, PyAny>,
+        tangent_q: &Bound<'py, PyAny>,
+        tangent_qd: &Bound<'py, PyAny>,
+        tangent_tau: &Bound<'py, PyAny>,
         dt: &Bound<'py, PyAny>,
         warm_start: Argument<'_, 'py>,
         settings: Argument<'_, 'py>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 39, &[Some(q), Some(qd), Some(tau), Some(dq), Some(dqd), Some(dtau), Some(dt), warm_start, settings], None, out)
+        self.call(py, 39, &[Some(q), Some(qd), Some(tau), Some(tangent_q), Some(tangent_qd), Some(tangent_tau), Some(dt), warm_start, settings], None, out)
     }
 
     /// Returns the joint forces `tau` of the actuators under the controls `ctrl`, in the order of
@@ -890,19 +894,20 @@ impl Robot {
         self.call(py, 42, &[Some(q), Some(qd), Some(ctrl), Some(dt), act, applied, warm_start, settings], None, out)
     }
 
-    /// Returns the results of `step_actuated`, and the gradients of `costate`^T state +
-    /// `act_costate`^T act after it with respect to the state before, `dx`, and to `ctrl`. The
-    /// state `dx` has the entries of q (in tangent space), the entries of qd, then `act`. At kinks
-    /// they are as in `step_derivatives`.
+    /// Returns the results of `step_actuated`, and the gradients of `state_cotangent`^T state +
+    /// `act_cotangent`^T act after it: `grad_x` with respect to the state before, and `grad_ctrl`.
+    /// The state of `grad_x` has the entries of q (in tangent space), the entries of qd, then
+    /// `act`. At kinks they are as in `step_derivatives`.
     ///
-    /// Arguments: `q`: (nq,); `qd`: (nv,); `ctrl`: (controls,); `dt`: a number; `costate`: (2 nv,);
-    /// `act`: (activations,), which a robot without activations leaves out; `act_costate`:
-    /// (activations,), by default zeros; `applied`: (nv,), by default zeros; `warm_start`: (nv,),
-    /// by default zeros; `settings`: `StepSettings`, by default the result of `step_settings()`.
+    /// Arguments: `q`: (nq,); `qd`: (nv,); `ctrl`: (controls,); `dt`: a number; `state_cotangent`:
+    /// (2 nv,); `act`: (activations,), which a robot without activations leaves out;
+    /// `act_cotangent`: (activations,), by default zeros; `applied`: (nv,), by default zeros;
+    /// `warm_start`: (nv,), by default zeros; `settings`: `StepSettings`, by default the result of
+    /// `step_settings()`.
     /// Result: `ActuatedStepVjp`: `q` (nq,), `qd` (nv,), `act` (activations,), `qdd` (nv,),
-    /// `forces` (touching points, 3), `dx` (2 nv + activations,), `dctrl` (controls,), `residual` a
-    /// number, `iterations` a number. Several states have one more axis, the first.
-    #[pyo3(signature = (q, qd, ctrl, dt, costate, act=None, act_costate=None, applied=None, warm_start=None, settings=None, *, out=None))]
+    /// `forces` (touching points, 3), `grad_x` (2 nv + activations,), `grad_ctrl` (controls,),
+    /// `residual` a number, `iterations` a number. Several states have one more axis, the first.
+    #[pyo3(signature = (q, qd, ctrl, dt, state_cotangent, act=None, act_cotangent=None, applied=None, warm_start=None, settings=None, *, out=None))]
     fn step_actuated_vjp<'py>(
         &self,
         py: Python<'py>,
@@ -910,49 +915,49 @@ impl Robot {
         qd: &Bound<'py, PyAny>,
         ctrl: &Bound<'py, PyAny>,
         dt: &Bound<'py, PyAny>,
-        costate: &Bound<'py, PyAny>,
+        state_cotangent: &Bound<'py, PyAny>,
         act: Argument<'_, 'py>,
-        act_costate: Argument<'_, 'py>,
+        act_cotangent: Argument<'_, 'py>,
         applied: Argument<'_, 'py>,
         warm_start: Argument<'_, 'py>,
         settings: Argument<'_, 'py>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 43, &[Some(q), Some(qd), Some(ctrl), Some(dt), Some(costate), act, act_costate, applied, warm_start, settings], None, out)
+        self.call(py, 43, &[Some(q), Some(qd), Some(ctrl), Some(dt), Some(state_cotangent), act, act_cotangent, applied, warm_start, settings], None, out)
     }
 
-    /// Returns the results of `step_actuated`, and the change `dx` of the state after it under the
-    /// changes `dq` (in tangent space), `dqd`, `dctrl` and `dact`. The state `dx` has the entries
-    /// of q (in tangent space), the entries of qd, then `act`. At kinks it is as in
-    /// `step_derivatives`.
+    /// Returns the results of `step_actuated`, and the change `tangent_x` of the state after it
+    /// under the changes `tangent_q` (in tangent space), `tangent_qd`, `tangent_ctrl` and
+    /// `tangent_act`. The state of `tangent_x` has the entries of q (in tangent space), the entries
+    /// of qd, then `act`. At kinks it is as in `step_derivatives`.
     ///
-    /// Arguments: `q`: (nq,); `qd`: (nv,); `dq`: (nv,); `dqd`: (nv,); `ctrl`: (controls,); `dctrl`:
-    /// (controls,); `dt`: a number; `act`: (activations,), which a robot without activations leaves
-    /// out; `dact`: (activations,), by default zeros; `applied`: (nv,), by default zeros;
-    /// `warm_start`: (nv,), by default zeros; `settings`: `StepSettings`, by default the result of
-    /// `step_settings()`.
+    /// Arguments: `q`: (nq,); `qd`: (nv,); `tangent_q`: (nv,); `tangent_qd`: (nv,); `ctrl`:
+    /// (controls,); `tangent_ctrl`: (controls,); `dt`: a number; `act`: (activations,), which a
+    /// robot without activations leaves out; `tangent_act`: (activations,), by default zeros;
+    /// `applied`: (nv,), by default zeros; `warm_start`: (nv,), by default zeros; `settings`:
+    /// `StepSettings`, by default the result of `step_settings()`.
     /// Result: `ActuatedStepJvp`: `q` (nq,), `qd` (nv,), `act` (activations,), `qdd` (nv,),
-    /// `forces` (touching points, 3), `dx` (2 nv + activations,), `residual` a number, `iterations`
-    /// a number. Several states have one more axis, the first.
-    #[pyo3(signature = (q, qd, dq, dqd, ctrl, dctrl, dt, act=None, dact=None, applied=None, warm_start=None, settings=None, *, out=None))]
+    /// `forces` (touching points, 3), `tangent_x` (2 nv + activations,), `residual` a number,
+    /// `iterations` a number. Several states have one more axis, the first.
+    #[pyo3(signature = (q, qd, tangent_q, tangent_qd, ctrl, tangent_ctrl, dt, act=None, tangent_act=None, applied=None, warm_start=None, settings=None, *, out=None))]
     fn step_actuated_jvp<'py>(
         &self,
         py: Python<'py>,
         q: &Bound<'py, PyAny>,
         qd: &Bound<'py, PyAny>,
-        dq: &Bound<'py, PyAny>,
-        dqd: &Bound<'py, PyAny>,
+        tangent_q: &Bound<'py, PyAny>,
+        tangent_qd: &Bound<'py, PyAny>,
         ctrl: &Bound<'py, PyAny>,
-        dctrl: &Bound<'py, PyAny>,
+        tangent_ctrl: &Bound<'py, PyAny>,
         dt: &Bound<'py, PyAny>,
         act: Argument<'_, 'py>,
-        dact: Argument<'_, 'py>,
+        tangent_act: Argument<'_, 'py>,
         applied: Argument<'_, 'py>,
         warm_start: Argument<'_, 'py>,
         settings: Argument<'_, 'py>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 44, &[Some(q), Some(qd), Some(dq), Some(dqd), Some(ctrl), Some(dctrl), Some(dt), act, dact, applied, warm_start, settings], None, out)
+        self.call(py, 44, &[Some(q), Some(qd), Some(tangent_q), Some(tangent_qd), Some(ctrl), Some(tangent_ctrl), Some(dt), act, tangent_act, applied, warm_start, settings], None, out)
     }
 
     /// Returns the joint forces of the accelerations `qdd`, the wrenches of the active contacts
@@ -1161,9 +1166,9 @@ impl Robot {
     /// with respect to `qdd`, are the centroidal momentum matrix.
     ///
     /// Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,).
-    /// Result: `CentroidalMomentumDerivatives`: `momentum` (6,), `rate` (6,), `momentum_dq` (6,
-    /// nv), `rate_dq` (6, nv), `rate_dqd` (6, nv), linear before angular components. Several states
-    /// have one more axis, the first.
+    /// Result: `CentroidalMomentumDerivatives`: `momentum` (6,), `rate` (6,), `dmomentum_dq` (6,
+    /// nv), `drate_dq` (6, nv), `drate_dqd` (6, nv), linear before angular components. Several
+    /// states have one more axis, the first.
     #[pyo3(signature = (q, qd, qdd, *, out=None))]
     fn centroidal_momentum_derivatives<'py>(
         &self,
@@ -1433,8 +1438,8 @@ impl Robot {
     /// displacements of `q` and of the result are in the axes at each of them.
     ///
     /// Arguments: `q`: (nq,); `v`: (nv,).
-    /// Result: `IntegrateDerivatives`: `dq` (nv, nv), `dv` (nv, nv). Several states have one more
-    /// axis, the first.
+    /// Result: `IntegrateDerivatives`: `dq_dq` (nv, nv), `dq_dv` (nv, nv). Several states have one
+    /// more axis, the first.
     #[pyo3(signature = (q, v, *, out=None))]
     fn integrate_derivatives<'py>(
         &self,
@@ -1450,8 +1455,8 @@ impl Robot {
     /// displacements are in the axes at `from_` and at `to`.
     ///
     /// Arguments: `from_`: (nq,); `to`: (nq,).
-    /// Result: `DifferenceDerivatives`: `dfrom` (nv, nv), `dto` (nv, nv). Several states have one
-    /// more axis, the first.
+    /// Result: `DifferenceDerivatives`: `dv_dfrom` (nv, nv), `dv_dto` (nv, nv). Several states have
+    /// one more axis, the first.
     #[pyo3(signature = (from_, to, *, out=None))]
     fn difference_derivatives<'py>(
         &self,

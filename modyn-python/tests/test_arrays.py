@@ -155,7 +155,7 @@ def test_out_must_fit(panda):
     derivatives = panda.forward_dynamics_derivatives(q, qd, tau)
     fewer = panda.forward_dynamics_derivatives(q[:3], qd[:3], tau[:3])
     copies = type(derivatives)(*(field.copy() for field in derivatives))
-    for wrong in (fewer, copies, derivatives.qdd, derivatives._replace(dq=derivatives.dqd)):
+    for wrong in (fewer, copies, derivatives.qdd, derivatives._replace(dqdd_dq=derivatives.dqdd_dqd)):
         with pytest.raises(ValueError, match="`ForwardDynamicsDerivatives` that an earlier call"):
             panda.forward_dynamics_derivatives(q, qd, tau, out=wrong)
 

@@ -222,17 +222,17 @@ def test_parameters_of_functions_without_machine_code():
     before = robot.forward_dynamics_jvp(*state, *direction)
     with pytest.warns(modyn.MachineCodeWarning, match="evaluated, which is slow: `both` has 9 arrays"):
         together = robot.both(*state, *direction, qdd, 0.01)
-    close(together.forward_dynamics_jvp.dqdd, before.dqdd, 1e-8)
+    close(together.forward_dynamics_jvp.tangent_qdd, before.tangent_qdd, 1e-8)
     for other in (robot, slow):
         other.set_gravity([0.5, 1.5, -3.0])
         other.set_payload("link4", 1.5, [0.3, 0.1, -0.2])
         other.set_inertia("link1", 2.0, [0.1, 0.2, 0.3], [0.1, 0, 0, 0.1, 0, 0.1])
     after = robot.forward_dynamics_jvp(*state, *direction)
-    assert np.abs(after.dqdd - before.dqdd).max() > 1e-3
+    assert np.abs(after.tangent_qdd - before.tangent_qdd).max() > 1e-3
     close(after.qdd, robot.forward_dynamics(*state), 1e-8)
     close(slow.forward_dynamics(*state), robot.forward_dynamics(*state), 1e-8)
     linear = robot.forward_dynamics_derivatives(*state)
-    close(after.dqdd, linear.dq @ direction[0] + linear.dqd @ direction[1] + linear.dtau @ direction[2], 1e-8)
+    close(after.tangent_qdd, linear.dqdd_dq @ direction[0] + linear.dqdd_dqd @ direction[1] + linear.dqdd_dtau @ direction[2], 1e-8)
     for wrong, message in [(("link4", -1.0), "mass"), (("link2", 1.0), "link `link2` has no payload")]:
         with pytest.raises(ValueError, match=message):
             slow.set_payload(*wrong)
@@ -245,7 +245,7 @@ def test_pickles_and_copies(panda):
         assert other.link_names == panda.link_names
     derivatives = panda.forward_dynamics_derivatives(q, qd, tau)
     again = pickle.loads(pickle.dumps(derivatives))
-    assert type(again) is modyn.ForwardDynamicsDerivatives and np.array_equal(again.dq, derivatives.dq)
+    assert type(again) is modyn.ForwardDynamicsDerivatives and np.array_equal(again.dqdd_dq, derivatives.dqdd_dq)
 
 
 def test_fused(panda):
@@ -321,13 +321,13 @@ def test_loops_and_contacts():
     many = robot.constrained_forward_dynamics(np.tile(q, (3, 1)), qd, tau, settings=settings)
     close(many.qdd, np.tile(found.qdd, (3, 1)), 1e-8)
     derivatives = robot.constrained_forward_dynamics_derivatives(q, qd, tau, settings=settings)
-    assert derivatives.wrenches_dtau.shape == (2, 6, 18)
+    assert derivatives.dwrenches_dtau.shape == (2, 6, 18)
     step = np.zeros(18)
     step[7] = 1e-5
     ahead, behind = (
         robot.constrained_forward_dynamics(q, qd, tau + s * step, settings=settings).wrenches for s in (1, -1)
     )
-    close(derivatives.wrenches_dtau[:, :, 7], (ahead - behind) / 2e-5, 1e-6)
+    close(derivatives.dwrenches_dtau[:, :, 7], (ahead - behind) / 2e-5, 1e-6)
 
 
 def test_functions_that_a_robot_does_not_have(panda):

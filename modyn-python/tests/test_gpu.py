@@ -39,7 +39,7 @@ def test_functions_agree_with_the_robot(panda):
     derivatives = kernels.run("forward_dynamics_derivatives", *device).numpy()
     for found, expected in zip(derivatives, panda.forward_dynamics_derivatives(q, qd, tau)):
         close(found, expected, 1e-3)
-    assert type(derivatives) is modyn.ForwardDynamicsDerivatives and derivatives.dq.dtype == np.float32
+    assert type(derivatives) is modyn.ForwardDynamicsDerivatives and derivatives.dqdd_dq.dtype == np.float32
 
 
 @needs_gpu

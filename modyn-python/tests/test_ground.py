@@ -143,7 +143,7 @@ def test_the_heights_of_the_ground():
     assert (expected.forces != 0).any()
     for a, b in zip(on_field[:4], expected[:4]):
         close(a, b, 1e-6)
-    weights = {"q_weights": np.ones((40, robot.nq)), "qd_weights": np.ones((40, robot.nv))}
+    weights = {"q_cotangent": np.ones((40, robot.nq)), "qd_cotangent": np.ones((40, robot.nv))}
     of_field = robot.rollout_vjp(**arguments, **weights, settings=level, ground=field)
     of_planes = robot.rollout_vjp(**arguments, **weights, settings=planes)
     close(of_field.controls, of_planes.controls, 1e-4)
@@ -226,7 +226,7 @@ def test_gradients_are_those_of_differences(steps, trajectory):
             axes = (-2, -1) if trajectory else -1
             return (motion.q * weights[0]).sum(axes) + (motion.qd * weights[1]).sum(axes)
 
-        gradient = robot.rollout_vjp(**arguments, q_weights=weights[0], qd_weights=weights[1], step="step", trajectory=trajectory)
+        gradient = robot.rollout_vjp(**arguments, q_cotangent=weights[0], qd_cotangent=weights[1], step="step", trajectory=trajectory)
         for name, x in arguments.items():
             if name == "controls" and steps > 10:
                 continue
@@ -274,13 +274,13 @@ def test_derivatives_in_tangent_space():
     close(one.b, matrices.b[3], 1e-7)
     # Products with the matrices.
     random = np.random.default_rng(16)
-    costate, changes = random.normal(size=(len(q), 2 * n)), random.normal(size=(3, len(q), n))
-    gradients = robot.step_vjp(q, qd, tau, costate=costate, **arguments)
-    close(gradients.dx, np.einsum("sij,si->sj", matrices.a, costate), 1e-7)
-    close(gradients.dtau, np.einsum("sij,si->sj", matrices.b, costate), 1e-7)
-    of_state, of_tau = np.concatenate(changes[:2], -1), changes[2]
+    cotangent, tangents = random.normal(size=(len(q), 2 * n)), random.normal(size=(3, len(q), n))
+    gradients = robot.step_vjp(q, qd, tau, state_cotangent=cotangent, **arguments)
+    close(gradients.grad_x, np.einsum("sij,si->sj", matrices.a, cotangent), 1e-7)
+    close(gradients.grad_tau, np.einsum("sij,si->sj", matrices.b, cotangent), 1e-7)
+    of_state, of_tau = np.concatenate(tangents[:2], -1), tangents[2]
     expected = np.einsum("sij,sj->si", matrices.a, of_state) + np.einsum("sij,sj->si", matrices.b, of_tau)
-    close(robot.step_jvp(q, qd, tau, *changes, **arguments).dx, expected, 1e-7)
+    close(robot.step_jvp(q, qd, tau, *tangents, **arguments).tangent_x, expected, 1e-7)
 
 
 def test_a_policy_moves_the_quadruped():

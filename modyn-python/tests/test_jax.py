@@ -164,19 +164,19 @@ def test_matrices_of_derivatives():
     expected = own.forward_dynamics_derivatives(q, qd, tau)
     for jacobian in (jax.jacfwd, jax.jacrev):
         found = jax.jit(jax.vmap(jacobian(function, by)))(q, qd, tau)
-        close(found[1], expected.dqd, 1e-8)
-        close(found[2], expected.dtau, 1e-8)
+        close(found[1], expected.dqdd_dqd, 1e-8)
+        close(found[2], expected.dqdd_dtau, 1e-8)
         rates = jnp.stack([own.velocity_to_qdot(q, np.tile(v, (3, 1))) for v in np.eye(own.nv)], -1)
-        close(found[0] @ rates, expected.dq, 1e-8)
+        close(found[0] @ rates, expected.dqdd_dq, 1e-8)
     # Derivatives of a batch by one argument that all states share.
     shared = jax.jacrev(lambda tau: function(q, qd, tau))(tau[0])
-    close(shared, own.forward_dynamics_derivatives(q, qd, np.tile(tau[0], (3, 1))).dtau, 1e-8)
+    close(shared, own.forward_dynamics_derivatives(q, qd, np.tile(tau[0], (3, 1))).dqdd_dtau, 1e-8)
     hessian = jax.jit(jax.hessian(lambda *x: function(*x) @ weights[0], by))(q[0], qd[0], tau[0])
     reverse = jax.jacrev(jax.grad(lambda *x: function(*x) @ weights[0], by), by)(q[0], qd[0], tau[0])
     for a, b in zip(jax.tree.leaves(hessian), jax.tree.leaves(reverse)):
         close(a, b, 1e-8)
     contracted = own.forward_dynamics_hessian(q[0], qd[0], tau[0], weights[0])
-    close(hessian[1][1], contracted.dqd_dqd, 1e-8)
+    close(hessian[1][1], contracted.hess_qd_qd, 1e-8)
 
 
 def test_transformations_of_a_motion():
@@ -215,7 +215,7 @@ def test_gradients_in_tangent_space():
     assert gradient.shape == q.shape
     # Lengths of quaternions have no effect.
     close((gradient[:, 3:7] * q[:, 3:7]).sum(1), np.zeros(2), 1e-9)
-    close(modyn.jax.to_tangent(own, q, gradient), own.forward_dynamics_vjp(q, qd, tau, weights).dq, 1e-9)
+    close(modyn.jax.to_tangent(own, q, gradient), own.forward_dynamics_vjp(q, qd, tau, weights).grad_q, 1e-9)
 
 
 OPTIONS = {"runtime_gravity": True, "runtime_inertia": ["link1", "link2"], "payload": ["link3"]}
@@ -272,7 +272,7 @@ def test_single_precision():
     close(found, exact.forward_dynamics(q, qd, tau), 1e-3)
     gradient = jax.grad(lambda tau: (function(q, qd, tau) * weights).sum())(tau.astype(np.float32))
     assert gradient.dtype == np.float32
-    close(gradient, exact.forward_dynamics_vjp(q, qd, tau, weights).dtau, 1e-3)
+    close(gradient, exact.forward_dynamics_vjp(q, qd, tau, weights).grad_tau, 1e-3)
 
 
 def test_axes_of_states():
@@ -321,7 +321,7 @@ def test_several_robots_in_one_program():
     q, qd, _, tau = (x[0] for x in states(first, 1))
     functions = [modyn.jax.function(one, "forward_dynamics") for one in (first, second)]
     both = jax.jit(jax.grad(lambda tau: sum(f(q, qd, tau).sum() for f in functions)))(tau)
-    expected = sum(one.forward_dynamics_derivatives(q, qd, tau).dtau.sum(0) for one in (first, second))
+    expected = sum(one.forward_dynamics_derivatives(q, qd, tau).dqdd_dtau.sum(0) for one in (first, second))
     close(both, expected, 1e-9)
     # The same description is the same function to `jit`.
     traced = []
@@ -337,7 +337,7 @@ def test_without_machine_code():
     q, qd, _, tau = states(fast, 3)
     function = modyn.jax.function(slow, "forward_dynamics")
     close(jax.jit(function)(q, qd, tau), fast.forward_dynamics(q, qd, tau), 1e-9)
-    close(jax.jacrev(function, 2)(q[0], qd[0], tau[0]), fast.forward_dynamics_derivatives(q[0], qd[0], tau[0]).dtau, 1e-9)
+    close(jax.jacrev(function, 2)(q[0], qd[0], tau[0]), fast.forward_dynamics_derivatives(q[0], qd[0], tau[0]).dqdd_dtau, 1e-9)
 
 
 def test_the_module_can_be_reloaded():

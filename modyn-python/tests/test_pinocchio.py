@@ -72,16 +72,16 @@ def test_derivatives(both):
     for i in range(len(q)):
         state = theirs.to_q(q[i]), theirs.to_v(qd[i])
         dq, dqd, dtau = pin.computeABADerivatives(model, data, *state, theirs.to_v(tau[i]))
-        close(found.dq[i], both.matrix(dq), 1e-7)
-        close(found.dqd[i], both.matrix(dqd), 1e-7)
+        close(found.dqdd_dq[i], both.matrix(dq), 1e-7)
+        close(found.dqdd_dqd[i], both.matrix(dqd), 1e-7)
         dtau = np.triu(dtau) + np.triu(dtau, 1).T
-        close(found.dtau[i], both.matrix(dtau), 1e-7)
+        close(found.dqdd_dtau[i], both.matrix(dtau), 1e-7)
         one = robot.forward_dynamics_derivatives(q[i], qd[i], tau[i])
         for single, many in zip(one, found):
             close(single, many[i], 1e-8)
         dq, dqd, _ = pin.computeRNEADerivatives(model, data, *state, theirs.to_v(qdd[i]))
-        close(inverse.dq[i], both.matrix(dq), 1e-8)
-        close(inverse.dqd[i], both.matrix(dqd), 1e-8)
+        close(inverse.dtau_dq[i], both.matrix(dq), 1e-8)
+        close(inverse.dtau_dqd[i], both.matrix(dqd), 1e-8)
 
 
 def test_links(both):

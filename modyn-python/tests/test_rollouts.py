@@ -88,7 +88,7 @@ def test_gradients(steps, trajectory):
         rng = np.random.default_rng(2)
         states_of = lambda x: own.rollout(**x, trajectory=trajectory)
         weights = [rng.normal(size=x.shape) for x in states_of(arguments)]
-        found = own.rollout_vjp(**arguments, q_weights=weights[0], qd_weights=weights[1], trajectory=trajectory)
+        found = own.rollout_vjp(**arguments, q_cotangent=weights[0], qd_cotangent=weights[1], trajectory=trajectory)
         assert (found.gains is None) == ("gains" not in arguments)
         direction = {name: rng.normal(size=x.shape) for name, x in arguments.items()}
         direction["dt"] = direction["dt"] * 1e-3
@@ -158,7 +158,7 @@ def test_gradients_of_a_cost(trajectory):
     given = {"q": q, "qd": qd, "controls": controls, "dt": dt / 10}
     values = lambda x, cost: own.rollout(**x, cost=cost, trajectory=trajectory)
     weights = [rng.normal(size=x.shape) for x in values(given, cost)]
-    named = dict(zip(("q_weights", "qd_weights", "cost_weights"), weights))
+    named = dict(zip(("q_cotangent", "qd_cotangent", "cost_cotangent"), weights))
     found = own.rollout_vjp(**given, **named, cost=cost, trajectory=trajectory)
     direction = {name: rng.normal(size=x.shape) for name, x in given.items()}
     direction["dt"] = direction["dt"] * 1e-3
@@ -174,11 +174,11 @@ def test_gradients_of_a_cost(trajectory):
     along = sum((gradient * np.broadcast_to(x, gradient.shape)).reshape(5, -1).sum(1) for gradient, x in pairs)
     close(along, expected, 1e-5)
     assert found.cost.state_weights.shape == (5, 1, 2 * own.nv) and found.cost.q_goal.shape == cost.q_goal.shape
-    only = own.rollout_vjp(**given, q_weights=None, qd_weights=None, cost_weights=weights[2], cost=cost, trajectory=trajectory)
+    only = own.rollout_vjp(**given, q_cotangent=None, qd_cotangent=None, cost_cotangent=weights[2], cost=cost, trajectory=trajectory)
     zeros = [np.zeros_like(x) for x in weights[:2]]
-    again = own.rollout_vjp(**given, q_weights=zeros[0], qd_weights=zeros[1], cost_weights=weights[2], cost=cost, trajectory=trajectory)
+    again = own.rollout_vjp(**given, q_cotangent=zeros[0], qd_cotangent=zeros[1], cost_cotangent=weights[2], cost=cost, trajectory=trajectory)
     assert np.array_equal(only.controls, again.controls) and np.abs(only.controls).max() > 0
-    assert own.rollout_vjp(**given, q_weights=weights[0], qd_weights=None, trajectory=trajectory).cost is None
+    assert own.rollout_vjp(**given, q_cotangent=weights[0], qd_cotangent=None, trajectory=trajectory).cost is None
 
 
 def test_single_precision_and_no_machine_code():
@@ -242,11 +242,11 @@ def test_refused():
         own.rollout(q, qd, controls, 0.01, cost=modyn.QuadraticCost(q, np.ones(4)))
     with pytest.raises(ValueError, match=r"`terminal_weights` of `rollout` has the shape \(4,\); expected \(8,\)"):
         own.rollout(q, qd, controls, 0.01, cost=modyn.QuadraticCost(q, np.ones(8), terminal_weights=np.ones(4)))
-    with pytest.raises(TypeError, match="`cost_weights` of `rollout_vjp` are those of a `cost`"):
-        own.rollout_vjp(q, qd, controls, 0.01, None, None, cost_weights=np.ones(7))
+    with pytest.raises(TypeError, match="`cost_cotangent` of `rollout_vjp` needs a `cost`"):
+        own.rollout_vjp(q, qd, controls, 0.01, None, None, cost_cotangent=np.ones(7))
     with pytest.raises(TypeError, match="`q` of `rollout` must be an array of real numbers"):
         own.rollout("zero", qd, controls, 0.01)
-    with pytest.raises(ValueError, match=r"`qd_weights` of `rollout_vjp` has the shape \(4,\); expected \(7, 4\)"):
+    with pytest.raises(ValueError, match=r"`qd_cotangent` of `rollout_vjp` has the shape \(4,\); expected \(7, 4\)"):
         own.rollout_vjp(q, qd, controls, 0.01, np.zeros((7, 4)), np.zeros(4))
 
 

@@ -116,10 +116,10 @@ def test_arrays_are_read_and_written_where_they_are():
     out = np.empty_like(q)
     assert single.forward_dynamics(q, qd, tau, out=out) is out
     linear = single.forward_dynamics_derivatives(q, qd, tau)
-    expected = linear.dq.copy()
-    linear.dq[:] = 0.0
+    expected = linear.dqdd_dq.copy()
+    linear.dqdd_dq[:] = 0.0
     assert single.forward_dynamics_derivatives(q, qd, tau, out=linear) is linear
-    assert np.array_equal(linear.dq, expected)
+    assert np.array_equal(linear.dqdd_dq, expected)
     gc.collect()
     tracemalloc.start()
     for _ in range(3):

@@ -90,9 +90,9 @@ def test_functional_transformations():
     function = modyn.torch.function(own, "forward_dynamics")
     expected = own.forward_dynamics_derivatives(q.numpy(), qd.numpy(), tau.numpy())
     for jacobian in (torch.func.jacrev, torch.func.jacfwd):
-        close(torch.vmap(jacobian(function, 2))(q, qd, tau), expected.dtau, 1e-9)
+        close(torch.vmap(jacobian(function, 2))(q, qd, tau), expected.dqdd_dtau, 1e-9)
     hessian = torch.func.hessian(lambda qd: function(q[0], qd, tau[0]).sum())(qd[0])
-    close(hessian, own.forward_dynamics_hessian(q[0].numpy(), qd[0].numpy(), tau[0].numpy(), np.ones(own.nv)).dqd_dqd, 1e-8)
+    close(hessian, own.forward_dynamics_hessian(q[0].numpy(), qd[0].numpy(), tau[0].numpy(), np.ones(own.nv)).hess_qd_qd, 1e-8)
     crossed = torch.vmap(torch.vmap(function, (None, 0, None)), (0, None, None))(q, qd, tau[0])
     close(crossed[2, 1], own.forward_dynamics(q[2].numpy(), qd[1].numpy(), tau[0].numpy()), 1e-9)
     close(function(q[:, None], qd[None], tau[0]), crossed, 1e-12)
@@ -100,7 +100,7 @@ def test_functional_transformations():
     shared = tau[0].clone().requires_grad_()
     function(q, qd, shared).sum().backward()
     expected = own.forward_dynamics_derivatives(q.numpy(), qd.numpy(), np.tile(tau[0].numpy(), (3, 1)))
-    close(shared.grad, expected.dtau.sum((0, 1)), 1e-9)
+    close(shared.grad, expected.dqdd_dtau.sum((0, 1)), 1e-9)
 
 
 def test_memory_and_precision():
@@ -175,7 +175,7 @@ def test_rollouts_with_a_cost():
     (found.cost[:, -1]).sum().backward()
     weights = np.zeros((3, 5))
     weights[:, -1] = 1
-    gradient = own.rollout_vjp(q.numpy(), qd.numpy(), controls.numpy(), 0.01, None, None, cost=cost, cost_weights=weights).cost
+    gradient = own.rollout_vjp(q.numpy(), qd.numpy(), controls.numpy(), 0.01, None, None, cost=cost, cost_cotangent=weights).cost
     for own_gradient, tensor in zip(gradient, given):
         close(tensor.grad, own_gradient.sum(0), 1e-9)
 
@@ -209,7 +209,7 @@ def test_run_time_parameters_and_tangent_space():
     own = robot()
     q = q.clone().requires_grad_()
     modyn.torch.function(own, "forward_dynamics")(q, qd, tau).sum().backward()
-    expected = own.forward_dynamics_vjp(q.detach().numpy(), qd.numpy(), tau.numpy(), np.ones((3, own.nv))).dq
+    expected = own.forward_dynamics_vjp(q.detach().numpy(), qd.numpy(), tau.numpy(), np.ones((3, own.nv))).grad_q
     close(modyn.torch.to_tangent(own, q.detach(), q.grad), expected, 1e-9)
 
 

@@ -160,7 +160,10 @@ impl<R: Robot, T: Scalar + RealField> Nalgebra<R, T> {
             + functions::InverseDynamicsDerivatives,
     {
         let derivatives = R::inverse_dynamics_derivatives::<T>(array(q), array(qd), array(qdd));
-        InverseDynamicsDerivatives { dq: derivatives.dq.into(), dqd: derivatives.dqd.into() }
+        InverseDynamicsDerivatives {
+            dtau_dq: derivatives.dtau_dq.into(),
+            dtau_dqd: derivatives.dtau_dqd.into(),
+        }
     }
 
     /// Returns the derivatives of forward dynamics with respect to `q` (in tangent space), `qd` and
@@ -178,9 +181,9 @@ impl<R: Robot, T: Scalar + RealField> Nalgebra<R, T> {
         let derivatives = R::forward_dynamics_derivatives::<T>(array(q), array(qd), array(tau));
         ForwardDynamicsDerivatives {
             qdd: derivatives.qdd.into(),
-            dq: derivatives.dq.into(),
-            dqd: derivatives.dqd.into(),
-            dtau: derivatives.dtau.into(),
+            dqdd_dq: derivatives.dqdd_dq.into(),
+            dqdd_dqd: derivatives.dqdd_dqd.into(),
+            dqdd_dtau: derivatives.dqdd_dtau.into(),
         }
     }
 
@@ -231,7 +234,11 @@ impl<R: Robot, T: Scalar + RealField> Nalgebra<R, T> {
         R: Robot<Q<T> = [T; NQ], V<T> = [T; NV]> + functions::ProjectConstraints,
     {
         let steps = R::project_constraints::<T>(array(q), array(qd), contacts, settings);
-        ConstraintProjection { dq: steps.dq.into(), dqd: steps.dqd.into(), rank: steps.rank }
+        ConstraintProjection {
+            step_q: steps.step_q.into(),
+            step_qd: steps.step_qd.into(),
+            rank: steps.rank,
+        }
     }
 
     /// Returns the pose of a link in the world.

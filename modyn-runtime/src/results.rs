@@ -6,9 +6,9 @@
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InverseDynamicsDerivatives<M> {
     /// d tau / d q, in tangent space.
-    pub dq: M,
+    pub dtau_dq: M,
     /// d tau / d qd.
-    pub dqd: M,
+    pub dtau_dqd: M,
 }
 
 /// The accelerations of forward dynamics and their derivatives.
@@ -17,11 +17,11 @@ pub struct ForwardDynamicsDerivatives<V, M> {
     /// The joint accelerations.
     pub qdd: V,
     /// d qdd / d q, in tangent space.
-    pub dq: M,
+    pub dqdd_dq: M,
     /// d qdd / d qd.
-    pub dqd: M,
+    pub dqdd_dqd: M,
     /// d qdd / d tau: the inverse of the mass matrix.
-    pub dtau: M,
+    pub dqdd_dtau: M,
 }
 
 /// The derivatives of the coordinates after a displacement: square matrices by columns, in tangent
@@ -32,9 +32,9 @@ pub struct ForwardDynamicsDerivatives<V, M> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct IntegrateDerivatives<M> {
     /// The derivative with respect to the coordinates before the displacement.
-    pub dq: M,
+    pub dq_dq: M,
     /// The derivative with respect to the displacement.
-    pub dv: M,
+    pub dq_dv: M,
 }
 
 /// The derivatives of the displacement between coordinates: square matrices by columns, in tangent
@@ -42,9 +42,9 @@ pub struct IntegrateDerivatives<M> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DifferenceDerivatives<M> {
     /// The derivative with respect to the first coordinates.
-    pub dfrom: M,
+    pub dv_dfrom: M,
     /// The derivative with respect to the last coordinates.
-    pub dto: M,
+    pub dv_dto: M,
 }
 
 /// The momentum of the moving links about their centre of mass, its time derivative (the rate), and
@@ -59,11 +59,11 @@ pub struct CentroidalMomentumDerivatives<H, M> {
     /// The time derivative of the momentum, N m and N.
     pub rate: H,
     /// The derivatives of the momentum with respect to q, in tangent space.
-    pub momentum_dq: M,
+    pub dmomentum_dq: M,
     /// The derivatives of the rate with respect to q, in tangent space.
-    pub rate_dq: M,
+    pub drate_dq: M,
     /// The derivatives of the rate with respect to qd.
-    pub rate_dqd: M,
+    pub drate_dqd: M,
 }
 
 /// The joint forces tau of inverse dynamics, and the gradients of cotangent^T tau.
@@ -72,11 +72,11 @@ pub struct InverseDynamicsVjp<V> {
     /// The joint forces, N m or N.
     pub tau: V,
     /// The gradient with respect to q, in tangent space.
-    pub dq: V,
+    pub grad_q: V,
     /// The gradient with respect to qd.
-    pub dqd: V,
+    pub grad_qd: V,
     /// The gradient with respect to qdd: the product of the mass matrix and the cotangent.
-    pub dqdd: V,
+    pub grad_qdd: V,
 }
 
 /// The joint forces of inverse dynamics, and their change.
@@ -85,7 +85,7 @@ pub struct InverseDynamicsJvp<V> {
     /// The joint forces, N m or N.
     pub tau: V,
     /// The change of the joint forces.
-    pub dtau: V,
+    pub tangent_tau: V,
 }
 
 /// The accelerations qdd of forward dynamics, and the gradients of cotangent^T qdd.
@@ -94,59 +94,59 @@ pub struct ForwardDynamicsVjp<V> {
     /// The joint accelerations, rad/s^2 or m/s^2.
     pub qdd: V,
     /// The gradient with respect to q, in tangent space.
-    pub dq: V,
+    pub grad_q: V,
     /// The gradient with respect to qd.
-    pub dqd: V,
+    pub grad_qd: V,
     /// The gradient with respect to tau: the inverse of the mass matrix times the cotangent.
-    pub dtau: V,
+    pub grad_tau: V,
 }
 
 /// The joint forces tau of inverse dynamics, and the gradients and the Hessian of cotangent^T tau.
 ///
-/// Matrices are square, by columns: `dq_dqd[j][i]` is the second derivative with respect to entry i
-/// of q and entry j of qd. The block of qd and qdd and the block of qdd and qdd are zero.
+/// Matrices are square, by columns: `hess_q_qd[j][i]` is the second derivative with respect to
+/// entry i of q and entry j of qd. The block of qd and qdd and the block of qdd and qdd are zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InverseDynamicsHessian<V, M> {
     /// The joint forces, N m or N.
     pub tau: V,
     /// The gradient with respect to q, in tangent space.
-    pub dq: V,
+    pub grad_q: V,
     /// The gradient with respect to qd.
-    pub dqd: V,
+    pub grad_qd: V,
     /// The gradient with respect to qdd: the product of the mass matrix and the cotangent.
-    pub dqdd: V,
+    pub grad_qdd: V,
     /// The second derivatives with respect to q, in tangent space: symmetric.
-    pub dq_dq: M,
+    pub hess_q_q: M,
     /// The second derivatives with respect to q (rows) and qd (columns).
-    pub dq_dqd: M,
+    pub hess_q_qd: M,
     /// The second derivatives with respect to qd: symmetric.
-    pub dqd_dqd: M,
+    pub hess_qd_qd: M,
     /// The second derivatives with respect to q (rows) and qdd (columns).
-    pub dq_dqdd: M,
+    pub hess_q_qdd: M,
 }
 
 /// The accelerations qdd of forward dynamics, and the gradients and the Hessian of cotangent^T qdd.
 ///
-/// Matrices are square, by columns: `dq_dqd[j][i]` is the second derivative with respect to entry i
-/// of q and entry j of qd. The block of qd and tau and the block of tau and tau are zero.
+/// Matrices are square, by columns: `hess_q_qd[j][i]` is the second derivative with respect to
+/// entry i of q and entry j of qd. The block of qd and tau and the block of tau and tau are zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ForwardDynamicsHessian<V, M> {
     /// The joint accelerations, rad/s^2 or m/s^2.
     pub qdd: V,
     /// The gradient with respect to q, in tangent space.
-    pub dq: V,
+    pub grad_q: V,
     /// The gradient with respect to qd.
-    pub dqd: V,
+    pub grad_qd: V,
     /// The gradient with respect to tau: the inverse of the mass matrix times the cotangent.
-    pub dtau: V,
+    pub grad_tau: V,
     /// The second derivatives with respect to q, in tangent space: symmetric.
-    pub dq_dq: M,
+    pub hess_q_q: M,
     /// The second derivatives with respect to q (rows) and qd (columns).
-    pub dq_dqd: M,
+    pub hess_q_qd: M,
     /// The second derivatives with respect to qd: symmetric.
-    pub dqd_dqd: M,
+    pub hess_qd_qd: M,
     /// The second derivatives with respect to q (rows) and tau (columns).
-    pub dq_dtau: M,
+    pub hess_q_tau: M,
 }
 
 /// The generalized forces of external wrenches, and their derivative.
@@ -156,7 +156,7 @@ pub struct GeneralizedForces<V, M> {
     pub tau: V,
     /// The derivative of the generalized forces with respect to q, in tangent space: a square
     /// matrix by columns.
-    pub dq: M,
+    pub dtau_dq: M,
 }
 
 /// The accelerations of forward dynamics, and their change.
@@ -165,7 +165,7 @@ pub struct ForwardDynamicsJvp<V> {
     /// The joint accelerations, rad/s^2 or m/s^2.
     pub qdd: V,
     /// The change of the joint accelerations.
-    pub dqdd: V,
+    pub tangent_qdd: V,
 }
 
 /// The state after a time step.
@@ -192,31 +192,31 @@ pub struct StepDerivatives<Q, V, A, B> {
     pub b: B,
 }
 
-/// The state after a time step, and the gradients and the Hessian of costate^T state, in tangent
-/// space.
+/// The state after a time step, and the gradients and the Hessian of state_cotangent^T state, in
+/// tangent space.
 ///
 /// A state has the entries of q, in tangent space, then the entries of qd. Matrices are arrays of
-/// columns: `dx_dtau[j][i]` is the second derivative with respect to entry i of the state and entry
-/// j of tau.
+/// columns: `hess_x_tau[j][i]` is the second derivative with respect to entry i of the state and
+/// entry j of tau.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct StepHessian<Q, V, Dx, Dtau, DxDx, DxDtau, DtauDtau> {
+pub struct StepHessian<Q, V, GradX, GradTau, HessXX, HessXTau, HessTauTau> {
     /// The coordinates after the step.
     pub q: Q,
     /// The velocities after the step, rad/s or m/s.
     pub qd: V,
     /// The gradient with respect to the state before the step: 2 nv entries.
-    pub dx: Dx,
+    pub grad_x: GradX,
     /// The gradient with respect to tau: nv entries.
-    pub dtau: Dtau,
+    pub grad_tau: GradTau,
     /// The second derivatives with respect to the state before the step: 2 nv columns of 2 nv
     /// entries, symmetric.
-    pub dx_dx: DxDx,
+    pub hess_x_x: HessXX,
     /// The second derivatives with respect to the state before the step (rows) and tau (columns):
     /// nv columns of 2 nv entries.
-    pub dx_dtau: DxDtau,
+    pub hess_x_tau: HessXTau,
     /// The second derivatives with respect to tau: nv columns of nv entries, symmetric; zero
     /// without spherical and floating joints.
-    pub dtau_dtau: DtauDtau,
+    pub hess_tau_tau: HessTauTau,
 }
 
 /// The accelerations of a robot under its constraints, and the constraint wrenches.
@@ -273,8 +273,8 @@ pub struct StepSolution<Q, V, A, P, R, I> {
     pub qdd: A,
     /// The force of each contact along the x and y axes of its plane, then along the normal, N.
     pub forces: P,
-    /// The largest mismatch between the forces and their laws, divided by the sum of the robot's weight and the
-    /// largest force. NaN if an argument is NaN.
+    /// The largest mismatch between the forces and their laws, divided by the sum of the robot's
+    /// weight and the largest force. NaN if an argument is NaN.
     pub residual: R,
     /// The number of iterations of Newton's method.
     pub iterations: I,
@@ -296,14 +296,15 @@ pub struct LinearizedStep<Q, V, A, P, Dx, Dtau, R, I> {
     pub a: Dx,
     /// The derivatives of the state after the step with respect to `tau`, an array of columns.
     pub b: Dtau,
-    /// The largest mismatch between the forces and their laws, divided by the sum of the robot's weight and the
-    /// largest force. NaN if an argument is NaN.
+    /// The largest mismatch between the forces and their laws, divided by the sum of the robot's
+    /// weight and the largest force. NaN if an argument is NaN.
     pub residual: R,
     /// The number of iterations of Newton's method.
     pub iterations: I,
 }
 
-/// The results of a step under the controls of actuators, and the derivatives of the state after it.
+/// The results of a step under the controls of actuators, and the derivatives of the state after
+/// it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LinearizedActuatedStep<Q, V, C, A, P, Dx, Du, R, I> {
     /// The coordinates after the step.
@@ -322,8 +323,8 @@ pub struct LinearizedActuatedStep<Q, V, C, A, P, Dx, Du, R, I> {
     /// The derivatives of the state after the step with respect to the controls, an array of
     /// columns.
     pub b: Du,
-    /// The largest mismatch between the forces and their laws, divided by the sum of the robot's weight and the
-    /// largest force. NaN if an argument is NaN.
+    /// The largest mismatch between the forces and their laws, divided by the sum of the robot's
+    /// weight and the largest force. NaN if an argument is NaN.
     pub residual: R,
     /// The number of iterations of Newton's method.
     pub iterations: I,
@@ -343,8 +344,8 @@ pub struct ActuatedStep<Q, V, C, A, P, R, I> {
     pub qdd: A,
     /// The force of each contact along the x and y axes of its plane, then along the normal, N.
     pub forces: P,
-    /// The largest mismatch between the forces and their laws, divided by the sum of the robot's weight and the
-    /// largest force. NaN if an argument is NaN.
+    /// The largest mismatch between the forces and their laws, divided by the sum of the robot's
+    /// weight and the largest force. NaN if an argument is NaN.
     pub residual: R,
     /// The number of iterations of Newton's method.
     pub iterations: I,
@@ -390,17 +391,17 @@ pub struct ConstrainedForwardDynamicsDerivatives<V, W, M, D, T> {
     /// components.
     pub wrenches: W,
     /// d qdd / d q, in tangent space.
-    pub dq: M,
+    pub dqdd_dq: M,
     /// d qdd / d qd.
-    pub dqd: M,
+    pub dqdd_dqd: M,
     /// d qdd / d tau: symmetric; its rank is nv minus the rank of the constraints.
-    pub dtau: M,
+    pub dqdd_dtau: M,
     /// d wrench / d q of each constraint, in tangent space.
-    pub wrenches_dq: D,
+    pub dwrenches_dq: D,
     /// d wrench / d qd of each constraint.
-    pub wrenches_dqd: D,
+    pub dwrenches_dqd: D,
     /// d wrench / d tau of each constraint.
-    pub wrenches_dtau: D,
+    pub dwrenches_dtau: D,
     /// The number of independent constraint rows, an integer.
     pub rank: T,
 }
@@ -418,19 +419,19 @@ pub struct ConstrainedForwardDynamicsHessian<V, W, M, T> {
     /// contact's link, in world axes, N m and N.
     pub wrenches: W,
     /// The gradient with respect to q, in tangent space.
-    pub dq: V,
+    pub grad_q: V,
     /// The gradient with respect to qd.
-    pub dqd: V,
+    pub grad_qd: V,
     /// The gradient with respect to tau.
-    pub dtau: V,
+    pub grad_tau: V,
     /// The second derivatives with respect to q and q, in tangent space: symmetric.
-    pub dq_dq: M,
+    pub hess_q_q: M,
     /// The second derivatives with respect to q and qd.
-    pub dq_dqd: M,
+    pub hess_q_qd: M,
     /// The second derivatives with respect to qd and qd: symmetric.
-    pub dqd_dqd: M,
+    pub hess_qd_qd: M,
     /// The second derivatives with respect to q and tau.
-    pub dq_dtau: M,
+    pub hess_q_tau: M,
     /// The number of independent constraint rows, an integer.
     pub rank: T,
 }
@@ -440,9 +441,9 @@ pub struct ConstrainedForwardDynamicsHessian<V, W, M, T> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ConstraintProjection<V, T> {
     /// The displacement, in tangent space, from coordinates that nearly satisfy the constraints.
-    pub dq: V,
+    pub step_q: V,
     /// The change of the velocities.
-    pub dqd: V,
+    pub step_qd: V,
     /// The number of independent constraint rows, an integer.
     pub rank: T,
 }
@@ -460,9 +461,9 @@ pub struct ConstraintResidual<D> {
     pub velocities: D,
 }
 
-/// The results of a step with contacts, and the gradients of costate^T state after it.
+/// The results of a step with contacts, and the gradients of state_cotangent^T state after it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct StepVjp<Q, V, A, P, Dx, Dtau, R, I> {
+pub struct StepVjp<Q, V, A, P, GradX, GradTau, R, I> {
     /// The coordinates after the step.
     pub q: Q,
     /// The velocities after the step, rad/s or m/s.
@@ -473,9 +474,9 @@ pub struct StepVjp<Q, V, A, P, Dx, Dtau, R, I> {
     pub forces: P,
     /// The gradient with respect to the state before the step: the entries of q, in tangent space,
     /// then the entries of qd.
-    pub dx: Dx,
+    pub grad_x: GradX,
     /// The gradient with respect to `tau`.
-    pub dtau: Dtau,
+    pub grad_tau: GradTau,
     /// The largest mismatch between the forces and their laws, divided by the sum of the robot's
     /// weight and the largest force. NaN if an argument is NaN.
     pub residual: R,
@@ -485,7 +486,7 @@ pub struct StepVjp<Q, V, A, P, Dx, Dtau, R, I> {
 
 /// The results of a step with contacts, and the change of the state after it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct StepJvp<Q, V, A, P, Dx, R, I> {
+pub struct StepJvp<Q, V, A, P, TangentX, R, I> {
     /// The coordinates after the step.
     pub q: Q,
     /// The velocities after the step, rad/s or m/s.
@@ -496,7 +497,7 @@ pub struct StepJvp<Q, V, A, P, Dx, R, I> {
     pub forces: P,
     /// The change of the state after the step: the entries of q, in tangent space, then the entries
     /// of qd.
-    pub dx: Dx,
+    pub tangent_x: TangentX,
     /// The largest mismatch between the forces and their laws, divided by the sum of the robot's
     /// weight and the largest force. NaN if an argument is NaN.
     pub residual: R,
@@ -504,10 +505,10 @@ pub struct StepJvp<Q, V, A, P, Dx, R, I> {
     pub iterations: I,
 }
 
-/// The results of a step under the controls of actuators, and the gradients of costate^T state after
-/// it.
+/// The results of a step under the controls of actuators, and the gradients of state_cotangent^T
+/// state + act_cotangent^T act after it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ActuatedStepVjp<Q, V, C, A, P, Dx, Dctrl, R, I> {
+pub struct ActuatedStepVjp<Q, V, C, A, P, GradX, GradCtrl, R, I> {
     /// The coordinates after the step.
     pub q: Q,
     /// The velocities after the step, rad/s or m/s.
@@ -520,9 +521,9 @@ pub struct ActuatedStepVjp<Q, V, C, A, P, Dx, Dctrl, R, I> {
     pub forces: P,
     /// The gradient with respect to the state before the step: the entries of q, in tangent space,
     /// the entries of qd, then the activations.
-    pub dx: Dx,
+    pub grad_x: GradX,
     /// The gradient with respect to the controls.
-    pub dctrl: Dctrl,
+    pub grad_ctrl: GradCtrl,
     /// The largest mismatch between the forces and their laws, divided by the sum of the robot's
     /// weight and the largest force. NaN if an argument is NaN.
     pub residual: R,
@@ -532,7 +533,7 @@ pub struct ActuatedStepVjp<Q, V, C, A, P, Dx, Dctrl, R, I> {
 
 /// The results of a step under the controls of actuators, and the change of the state after it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ActuatedStepJvp<Q, V, C, A, P, Dx, R, I> {
+pub struct ActuatedStepJvp<Q, V, C, A, P, TangentX, R, I> {
     /// The coordinates after the step.
     pub q: Q,
     /// The velocities after the step, rad/s or m/s.
@@ -545,7 +546,7 @@ pub struct ActuatedStepJvp<Q, V, C, A, P, Dx, R, I> {
     pub forces: P,
     /// The change of the state after the step: the entries of q, in tangent space, the entries of
     /// qd, then the activations.
-    pub dx: Dx,
+    pub tangent_x: TangentX,
     /// The largest mismatch between the forces and their laws, divided by the sum of the robot's
     /// weight and the largest force. NaN if an argument is NaN.
     pub residual: R,

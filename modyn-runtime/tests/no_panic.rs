@@ -222,7 +222,7 @@ fn call(interpreter: &mut Interpreter<f64>, dice: &mut Dice) {
         let outputs =
             ResidualOutputs { displacements: &mut displacements, velocities: &mut velocities };
         r.constraint_residual(state, &settings, outputs).ok();
-        let outputs = ProjectionOutputs { dq: &mut a, dqd: &mut b };
+        let outputs = ProjectionOutputs { step_q: &mut a, step_qd: &mut b };
         r.project_constraints(state, &[], &settings, outputs).ok();
         r.inverse_dynamics_derivatives(&q, &qd, &qdd, &mut c, &mut d).ok();
         let outputs = ForwardDerivatives {
@@ -249,8 +249,8 @@ fn call(interpreter: &mut Interpreter<f64>, dice: &mut Dice) {
         r.centroidal_momentum_rate(motion).ok();
         let (mut values, mut columns) =
             ([Momentum::zero(); 2], [0; 3].map(|_| vec![Momentum::zero(); qd.len()]));
-        let ([momentum, rate], [momentum_dq, rate_dq, rate_dqd]) = (&mut values, &mut columns);
-        let outputs = CentroidalOutputs { momentum, rate, momentum_dq, rate_dq, rate_dqd };
+        let ([momentum, rate], [dmomentum_dq, drate_dq, drate_dqd]) = (&mut values, &mut columns);
+        let outputs = CentroidalOutputs { momentum, rate, dmomentum_dq, drate_dq, drate_dqd };
         r.centroidal_momentum_derivatives(motion, outputs).ok();
         r.integrate(&q, &qd, &mut moved).ok();
         r.difference(&q, &other, &mut a).ok();

@@ -102,8 +102,8 @@ impl<S: Scalar> Quantities<S> for Interpreter<S> {
     fn centroidal_derivatives(&mut self, motion: Motion<'_, S>) -> Vec<S> {
         let mut values = [Momentum::zero(); 2];
         let mut columns = [0; 3].map(|_| vec![Momentum::zero(); self.model().nv()]);
-        let ([momentum, rate], [momentum_dq, rate_dq, rate_dqd]) = (&mut values, &mut columns);
-        let outputs = CentroidalOutputs { momentum, rate, momentum_dq, rate_dq, rate_dqd };
+        let ([momentum, rate], [dmomentum_dq, drate_dq, drate_dqd]) = (&mut values, &mut columns);
+        let outputs = CentroidalOutputs { momentum, rate, dmomentum_dq, drate_dq, drate_dqd };
         self.centroidal_momentum_derivatives(motion, outputs).expect(LENGTHS);
         values.iter().chain(columns.iter().flatten()).flat_map(Momentum::components).collect()
     }

@@ -557,7 +557,7 @@ fn derivatives_of_the_momentum_and_of_its_rate_are_differences() {
         let expected = interpreter.centroidal_momentum_rate(Motion { q, qd, qdd }).expect(FINE);
         assert_close("rate", rate, &expected.components(), EXACT);
         let matrices = columns(0).zip(columns(1)).zip(columns(2));
-        for (j, ((momentum_dq, rate_dq), rate_dqd)) in matrices.enumerate() {
+        for (j, ((dmomentum_dq, drate_dq), drate_dqd)) in matrices.enumerate() {
             let unit: Vec<f64> = (0..n).map(|i| f64::from(u8::from(i == j))).collect();
             let changed = |time: f64| {
                 let sum = qd.iter().zip(&unit).map(|(qd, unit)| qd + time * unit);
@@ -565,7 +565,7 @@ fn derivatives_of_the_momentum_and_of_its_rate_are_differences() {
             };
             let expected =
                 derivative(|t| summed(interpreter, &moved(&model, q, t, &unit), qd).momentum);
-            assert_close("momentum by q", momentum_dq, &expected, DIFFERENCES);
+            assert_close("momentum by q", dmomentum_dq, &expected, DIFFERENCES);
             let mut rate = |q: &[f64], qd: &[f64]| {
                 interpreter
                     .centroidal_momentum_rate(Motion { q, qd, qdd })
@@ -573,9 +573,9 @@ fn derivatives_of_the_momentum_and_of_its_rate_are_differences() {
                     .components()
             };
             let expected = derivative(|t| rate(&moved(&model, q, t, &unit), qd));
-            assert_close("rate by q", rate_dq, &expected, DIFFERENCES);
+            assert_close("rate by q", drate_dq, &expected, DIFFERENCES);
             let expected = derivative(|t| rate(q, &changed(t)));
-            assert_close("rate by qd", rate_dqd, &expected, DIFFERENCES);
+            assert_close("rate by qd", drate_dqd, &expected, DIFFERENCES);
         }
     });
 }

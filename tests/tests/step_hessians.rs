@@ -136,13 +136,13 @@ struct Step<'a> {
     model: &'a Model,
     state: &'a State,
     dt: f64,
-    costate: &'a [f64],
+    cotangent: &'a [f64],
 }
 
 impl Step<'_> {
     /// Returns the numbers of the generated function by num-dual's numbers: the gradients, then the three blocks.
     fn expected(&self) -> Vec<f64> {
-        let Self { model, state: State { q, qd, tau, .. }, dt, costate } = self;
+        let Self { model, state: State { q, qd, tau, .. }, dt, cotangent } = self;
         let n = model.nv();
         let mut interpreter = Interpreter::<Number>::new((*model).clone());
         let real = |x: &[f64]| -> Vec<Number> { x.iter().map(|&x| Number::from(x)).collect() };
@@ -166,7 +166,7 @@ impl Step<'_> {
             x[j].eps2 = 1.0;
             let [q, qd] = next(&x);
             let state = small_difference(model, &start, &q).into_iter().chain(qd);
-            state.zip(*costate).fold(zero(), |sum, (x, &weight)| sum + x * weight)
+            state.zip(*cotangent).fold(zero(), |sum, (x, &weight)| sum + x * weight)
         };
         let gradients: Vec<f64> = (0..3 * n).map(|i| product(i, i).eps1).collect();
         let mut block = |rows: usize, columns: std::ops::Range<usize>| -> Vec<f64> {
@@ -183,30 +183,37 @@ impl Step<'_> {
 
     /// Returns the same numbers of the interpreter, after the coordinates and velocities.
     fn interpreted(&self) -> Vec<f64> {
-        let Self { model, state: State { q, qd, tau, .. }, dt, costate } = self;
+        let Self { model, state: State { q, qd, tau, .. }, dt, cotangent } = self;
         let n = model.nv();
         let sizes = [q.len(), n, 2 * n, n, 4 * n * n, 2 * n * n, n * n];
         let mut found = sizes.map(|size| vec![f64::NAN; size]);
-        let [next_q, next_qd, dx, dtau, dx_dx, dx_dtau, dtau_dtau] = &mut found;
-        let outputs =
-            StepHessianOutputs { q: next_q, qd: next_qd, dx, dtau, dx_dx, dx_dtau, dtau_dtau };
+        let [next_q, next_qd, grad_x, grad_tau, hess_x_x, hess_x_tau, hess_tau_tau] = &mut found;
+        let outputs = StepHessianOutputs {
+            q: next_q,
+            qd: next_qd,
+            grad_x,
+            grad_tau,
+            hess_x_x,
+            hess_x_tau,
+            hess_tau_tau,
+        };
         let mut interpreter = Interpreter::new((*model).clone());
         interpreter
-            .step_semi_implicit_hessian(TimeStepInput { q, qd, tau, dt: *dt }, costate, outputs)
+            .step_semi_implicit_hessian(TimeStepInput { q, qd, tau, dt: *dt }, cotangent, outputs)
             .expect("fits");
         found.concat()
     }
 
     /// Returns the same numbers of the generated function's graph.
     fn compiled(&self, lanes: bool) -> Vec<f64> {
-        let Self { model, state: State { q, qd, tau, .. }, dt, costate } = self;
+        let Self { model, state: State { q, qd, tau, .. }, dt, cotangent } = self;
         let mechanism = Mechanism::new(model);
         // Run-time gravity is an input after all others.
         let tracer = Tracer::with_parameters(&mechanism, Parameters::new(model, true, &[], &[]));
         let tracer = if lanes { tracer.column_lanes(COLUMN_LANES) } else { tracer };
         let chains = UduLayout::new(&mechanism, &ModuleTree::chains(model));
         let graph = optimize(tracer.step_semi_implicit_hessian(&chains));
-        let inputs = [&q[..], qd, tau, &[*dt], costate, &model.gravity()].concat();
+        let inputs = [&q[..], qd, tau, &[*dt], cotangent, &model.gravity()].concat();
         graph.evaluate::<f64>(&inputs)
     }
 
@@ -238,14 +245,14 @@ impl Step<'_> {
 }
 
 /// Returns random multipliers.
-fn costate(seed: u64, model: &Model) -> Vec<f64> {
+fn cotangent(seed: u64, model: &Model) -> Vec<f64> {
     let random = &mut Random::new(seed);
     (0..2 * model.nv()).map(|_| random.between(-1.0, 1.0)).collect()
 }
 
 fn compare(name: &str, model: &Model, seed: u64) {
-    let (state, costate) = (random::state(seed, model), costate(seed, model));
-    Step { model, state: &state, dt: 0.05, costate: &costate }.compare(name);
+    let (state, cotangent) = (random::state(seed, model), cotangent(seed, model));
+    Step { model, state: &state, dt: 0.05, cotangent: &cotangent }.compare(name);
 }
 
 #[test]
@@ -268,8 +275,8 @@ fn hessians_of_floating_robots_are_those_of_dual_numbers() {
 #[test]
 fn steps_of_joints_with_axes_are_linear_in_the_forces() {
     let model = golden::model(&golden::urdf("panda"));
-    let (state, costate) = (random::state(4, &model), costate(4, &model));
-    let step = Step { model: &model, state: &state, dt: 0.05, costate: &costate };
+    let (state, cotangent) = (random::state(4, &model), cotangent(4, &model));
+    let step = Step { model: &model, state: &state, dt: 0.05, cotangent: &cotangent };
     let n = model.nv();
     for found in [step.interpreted(), step.compiled(false), step.compiled(true)] {
         assert!(found[found.len() - n * n..].iter().all(|&x| x == 0.0));
@@ -283,21 +290,21 @@ fn lengths_are_checked() {
     let n = model.nv();
     let mut robot = Interpreter::<f64>::new(model);
     let (mut next_q, mut next_qd, mut rest) = (q.clone(), qd.clone(), vec![0.0; 3 * n]);
-    let (dx, dtau) = rest.split_at_mut(2 * n);
+    let (grad_x, grad_tau) = rest.split_at_mut(2 * n);
     let outputs = StepHessianOutputs {
         q: &mut next_q,
         qd: &mut next_qd,
-        dx,
-        dtau,
-        dx_dx: &mut [],
-        dx_dtau: &mut [],
-        dtau_dtau: &mut [],
+        grad_x,
+        grad_tau,
+        hess_x_x: &mut [],
+        hess_x_tau: &mut [],
+        hess_tau_tau: &mut [],
     };
-    let costate = vec![0.0; 2 * n];
+    let cotangent = vec![0.0; 2 * n];
     let found = robot.step_semi_implicit_hessian(
         TimeStepInput { q: &q, qd: &qd, tau: &tau, dt: 0.1 },
-        &costate,
+        &cotangent,
         outputs,
     );
-    assert_eq!(found, Err(ShapeError::new("dx_dx", 4 * n * n, 0)));
+    assert_eq!(found, Err(ShapeError::new("hess_x_x", 4 * n * n, 0)));
 }

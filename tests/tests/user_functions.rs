@@ -172,12 +172,12 @@ fn compare(name: &str, builder: Builder, model: &Model, function: Terms, seed: u
         ("target", numbers(3)),
         ("force", numbers(3)),
         ("weight", numbers(1)),
-        ("dq", numbers(nv)),
-        ("dqd", numbers(nv)),
-        ("dqdd", numbers(nv)),
-        ("dother", numbers(nv)),
-        ("dforce", numbers(3)),
-        ("dweight", numbers(1)),
+        ("tangent_q", numbers(nv)),
+        ("tangent_qd", numbers(nv)),
+        ("tangent_qdd", numbers(nv)),
+        ("tangent_other", numbers(nv)),
+        ("tangent_force", numbers(3)),
+        ("tangent_weight", numbers(1)),
         ("cotangent", numbers(results)),
     ]
     .into();
@@ -218,20 +218,20 @@ fn compare(name: &str, builder: Builder, model: &Model, function: Terms, seed: u
         let columns: Vec<Vec<f64>> =
             entries(variable).map(|entry| first(model, function, &inputs, entry)).collect();
         let by = variable.0;
-        for (column, dx) in columns.iter().zip(&inputs[&*format!("d{by}")]) {
+        for (column, dx) in columns.iter().zip(&inputs[&*format!("tangent_{by}")]) {
             change.iter_mut().zip(column).for_each(|(sum, x)| *sum += x * dx);
         }
         let gradient: Vec<f64> = columns.iter().map(|column| weighted(column)).collect();
         match function.is_sum {
-            true => close(&format!("terms_gradient.d{by}"), &gradient),
+            true => close(&format!("terms_gradient.grad_{by}"), &gradient),
             false => {
-                close(&format!("terms_vjp.d{by}"), &gradient);
-                close(&format!("terms_jacobian.d{by}"), &columns.concat());
+                close(&format!("terms_vjp.grad_{by}"), &gradient);
+                close(&format!("terms_jacobian.dvalue_d{by}"), &columns.concat());
             }
         }
-        close(&format!("terms_hessian.d{by}"), &gradient);
+        close(&format!("terms_hessian.grad_{by}"), &gradient);
     }
-    close("terms_jvp.change", &change);
+    close("terms_jvp.tangent_value", &change);
     for (i, rows) in variables.into_iter().enumerate() {
         for columns in &variables[i..] {
             let mut block = Vec::new();

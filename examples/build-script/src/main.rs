@@ -7,7 +7,7 @@ modyn::include_model!(pendulum);
 fn reached(mut q: [f64; 2], target: &[f64; 3]) -> [f64; 2] {
     let mut damping = 1.0;
     for _ in 0..50 {
-        let PendulumReachCostHessian { value, dq: [x, y], dq_dq: [[a, b], [_, c]], .. } =
+        let PendulumReachCostHessian { value, grad_q: [x, y], hess_q_q: [[a, b], [_, c]], .. } =
             Pendulum::reach_cost_hessian(&q, &[0.0; 2], target, 0.0);
         let (a, c) = (a + damping, c + damping);
         let determinant = a * c - b * b;
@@ -51,17 +51,17 @@ fn derivatives_of_the_cost_are_those_of_its_differences() {
         (16.0 * (at(h) + at(-h)) - at(2.0 * h) - at(-2.0 * h) - 30.0 * at(0.0)) / (12.0 * h * h);
     let target = [0.2, -0.1, 0.4];
     let found = Pendulum::reach_cost_jvp(&q, &qd, &target, 0.3, &dq, &dqd);
-    assert!((found.change - slope).abs() < 1e-8, "{} {slope}", found.change);
+    assert!((found.tangent_value - slope).abs() < 1e-8, "{} {slope}", found.tangent_value);
     let all = Pendulum::reach_cost_hessian(&q, &qd, &target, 0.3);
     let dot = |a: [f64; 2], b: [f64; 2]| a[0] * b[0] + a[1] * b[1];
-    assert!((dot(all.dq, dq) + dot(all.dqd, dqd) - slope).abs() < 1e-8, "{all:?} {slope}");
+    assert!((dot(all.grad_q, dq) + dot(all.grad_qd, dqd) - slope).abs() < 1e-8, "{all:?} {slope}");
     // The blocks by columns.
     let times = |m: [[f64; 2]; 2], b: [f64; 2]| {
         [m[0][0] * b[0] + m[1][0] * b[1], m[0][1] * b[0] + m[1][1] * b[1]]
     };
-    let product = dot(dq, times(all.dq_dq, dq))
-        + 2.0 * dot(dq, times(all.dq_dqd, dqd))
-        + dot(dqd, times(all.dqd_dqd, dqd));
+    let product = dot(dq, times(all.hess_q_q, dq))
+        + 2.0 * dot(dq, times(all.hess_q_qd, dqd))
+        + dot(dqd, times(all.hess_qd_qd, dqd));
     assert!((product - curvature).abs() < 1e-6, "{product} {curvature}");
 }
 
@@ -72,7 +72,9 @@ fn a_knot_has_the_step_and_the_cost() {
     let step = knot.step_semi_implicit_derivatives;
     let expected = Pendulum::reach_cost_gradient(&q, &qd, &target, 0.3);
     assert!((knot.reach_cost_gradient.value - expected.value).abs() < 1e-12);
-    assert!((0..2).all(|k| (knot.reach_cost_gradient.dq[k] - expected.dq[k]).abs() < 1e-12));
+    assert!(
+        (0..2).all(|k| (knot.reach_cost_gradient.grad_q[k] - expected.grad_q[k]).abs() < 1e-12)
+    );
     // The step moves the joints by their velocities after it.
     assert!((0..2).all(|k| (step.q[k] - q[k] - 0.01 * step.qd[k]).abs() < 1e-12));
 }

@@ -159,18 +159,18 @@ impl Problem for Jump {
         // The velocities: qd' = qd + dt qdd.
         let mut a = DMatrix::zeros(2 * NV, 2 * NV);
         let mut velocities = DMatrix::zeros(NV, 2 * NV);
-        velocities.columns_mut(0, NV).copy_from(&(matrix(&found.dq) * dt));
+        velocities.columns_mut(0, NV).copy_from(&(matrix(&found.dqdd_dq) * dt));
         velocities
             .columns_mut(NV, NV)
-            .copy_from(&(matrix(&found.dqd) * dt + DMatrix::identity(NV, NV)));
-        let velocities_by_input = matrix(&found.dtau[6..]) * dt;
+            .copy_from(&(matrix(&found.dqdd_dqd) * dt + DMatrix::identity(NV, NV)));
+        let velocities_by_input = matrix(&found.dqdd_dtau[6..]) * dt;
         // The coordinates: q' is q moved by dt qd'.
         let displacement = core::array::from_fn(|i| dt * (x.qd[i] + dt * found.qdd[i]));
         let moved = Quadruped::integrate_derivatives(&x.q, &displacement);
-        let by_velocity = matrix(&moved.dv) * dt;
+        let by_velocity = matrix(&moved.dq_dv) * dt;
         a.rows_mut(0, NV).copy_from(&(&by_velocity * &velocities));
         let mut own = a.view_mut((0, 0), (NV, NV));
-        own += matrix(&moved.dq);
+        own += matrix(&moved.dq_dq);
         a.rows_mut(NV, NV).copy_from(&velocities);
         let mut b = DMatrix::zeros(2 * NV, MOTORS);
         b.rows_mut(0, NV).copy_from(&(by_velocity * &velocities_by_input));
@@ -187,10 +187,10 @@ impl Problem for Jump {
                     let slope = |by: &[[modyn::Wrench<f64>; NV]; 4]| {
                         SLIP * dot(normal, &by[foot][j].force.0)
                     };
-                    by_state[(row, j)] = slope(&found.wrenches_dq);
-                    by_state[(row, NV + j)] = slope(&found.wrenches_dqd);
+                    by_state[(row, j)] = slope(&found.dwrenches_dq);
+                    by_state[(row, NV + j)] = slope(&found.dwrenches_dqd);
                     if j >= 6 {
-                        by_input[(row, j - 6)] = slope(&found.wrenches_dtau);
+                        by_input[(row, j - 6)] = slope(&found.dwrenches_dtau);
                     }
                 }
             }
@@ -204,7 +204,7 @@ impl Problem for Jump {
 
     fn linearize_end(&self, x: &State<Quadruped>) -> DMatrix<f64> {
         let mut derivative = DMatrix::identity(2 * NV, 2 * NV);
-        let by_coordinates = Quadruped::difference_derivatives(&self.goal, &x.q).dto;
+        let by_coordinates = Quadruped::difference_derivatives(&self.goal, &x.q).dv_dto;
         derivative.view_mut((0, 0), (NV, NV)).copy_from(&matrix(&by_coordinates));
         DMatrix::from_diagonal(&end_factors()) * derivative
     }

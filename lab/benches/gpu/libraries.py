@@ -81,7 +81,7 @@ def agrees(name, robot, found, function="forward_dynamics"):
     first = 3 if ROBOTS[robot][1] else 0
     expected = getattr(on_host(robot), function)(*(x[:COMPARED] for x in states(robot)))
     if function == "forward_dynamics_derivatives":
-        expected = np.concatenate([expected.dq, expected.dqd], -1)
+        expected = np.concatenate([expected.dqdd_dq, expected.dqdd_dqd], -1)
         found = found[:COMPARED].reshape(COMPARED, expected.shape[2], -1).swapaxes(1, 2)
     largest = lambda x: np.abs(x[:COMPARED, first:]).reshape(COMPARED, -1).max(-1)
     errors = largest(found[:COMPARED] - expected) / np.maximum(1, largest(expected))

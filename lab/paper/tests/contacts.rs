@@ -93,12 +93,12 @@ fn compiled_contacts_are_the_interpreters() {
         assert_eq!(Ok(found.rank), rank);
 
         let (mut dq, mut dqd) = ([0.0; 18], [0.0; 18]);
-        let into = ProjectionOutputs { dq: &mut dq, dqd: &mut dqd };
+        let into = ProjectionOutputs { step_q: &mut dq, step_qd: &mut dqd };
         let rank =
             interpreter.project_constraints(State { q: &q, qd: &qd }, &active, &settings, into);
         let found = Quadruped::project_constraints(&q, &qd, contacts, &settings);
-        assert_near(&found.dq, &dq);
-        assert_near(&found.dqd, &dqd);
+        assert_near(&found.step_q, &dq);
+        assert_near(&found.step_qd, &dqd);
         assert_eq!(Ok(found.rank), rank);
     }
     let (mut displacements, mut velocities) = ([Twist::zero(); 4], [Twist::zero(); 4]);

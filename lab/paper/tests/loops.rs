@@ -75,16 +75,19 @@ where
     assert_eq!(Nalgebra::<R>::constraint_residual(x, v, &settings), found);
 
     let (mut dq, mut dqd) = ([0.0; N], [0.0; N]);
-    let into = ProjectionOutputs { dq: &mut dq, dqd: &mut dqd };
+    let into = ProjectionOutputs { step_q: &mut dq, step_qd: &mut dqd };
     let rank = interpreter
         .project_constraints(equations::State { q: &q, qd: &qd }, &[], &settings, into)
         .expect("fits");
     let found = R::project_constraints(&q, &qd, (), &settings);
-    assert_near(&found.dq, &dq);
-    assert_near(&found.dqd, &dqd);
+    assert_near(&found.step_q, &dq);
+    assert_near(&found.step_qd, &dqd);
     assert_eq!(found.rank, rank);
     let again = Nalgebra::<R>::project_constraints(x, v, (), &settings);
-    assert_eq!((again.dq.as_slice(), again.dqd.as_slice()), (&found.dq[..], &found.dqd[..]));
+    assert_eq!(
+        (again.step_q.as_slice(), again.step_qd.as_slice()),
+        (&found.step_q[..], &found.step_qd[..])
+    );
 }
 
 fn read(text: &str, options: &modyn_codegen::ReadOptions) -> modyn::model::Model {
@@ -128,9 +131,9 @@ where
 {
     let settings = ConstraintSettings::<f64>::DEFAULT;
     let q = (0..20).fold(q, |q, _| {
-        R::integrate::<f64>(&q, &R::project_constraints(&q, &qd, (), &settings).dq)
+        R::integrate::<f64>(&q, &R::project_constraints(&q, &qd, (), &settings).step_q)
     });
-    let change = R::project_constraints(&q, &qd, (), &settings).dqd;
+    let change = R::project_constraints(&q, &qd, (), &settings).step_qd;
     [q, std::array::from_fn(|i| qd[i] + change[i])]
 }
 
@@ -188,7 +191,7 @@ fn a_compiled_four_bar_linkage_keeps_its_energy() {
     let settings = ConstraintSettings::<f64>::DEFAULT;
     let (mut q, qd) = ([1.2, -0.6, 2.0], [0.0; 3]);
     for _ in 0..20 {
-        let step = FourBar::project_constraints(&q, &qd, (), &settings).dq;
+        let step = FourBar::project_constraints(&q, &qd, (), &settings).step_q;
         q = FourBar::integrate(&q, &step);
     }
     let gap = |q: &[f64; 3]| {

@@ -81,6 +81,12 @@ pub(crate) fn errors(function: &NamedFunction) -> Vec<Diagnostic> {
             defects.push((message, "rename the argument".into()));
         }
     }
+    let blocks = function.block_names();
+    let twice = blocks.iter().enumerate().find(|(i, name)| blocks[..*i].contains(name));
+    if let Some((_, name)) = twice {
+        let message = format!("two blocks of its Hessian have the name `{name}`");
+        defects.push((message, "rename an argument".into()));
+    }
     let error = |(message, help): (String, String)| error(function, Code::Option, &message, help);
     defects.into_iter().map(error).collect()
 }

@@ -198,10 +198,20 @@ impl NamedFunction {
         let argument_names = self.arguments.iter().map(|argument| argument.name().to_string());
         let mut names: Vec<String> = argument_names.collect();
         if self.derivatives >= UserDerivatives::First {
-            names.extend(self.variables().map(|argument| format!("d{}", argument.name())));
+            names.extend(self.variables().map(|argument| format!("tangent_{}", argument.name())));
             names.push(WEIGHTS.into());
         }
         names
+    }
+
+    /// Returns the names of the blocks of its Hessian, if it has one.
+    pub(crate) fn block_names(&self) -> Vec<String> {
+        let variables: Vec<&UserArgument> = match self.derivatives {
+            UserDerivatives::Second => self.variables().collect(),
+            _ => Vec::new(),
+        };
+        let rows = variables.iter().enumerate();
+        rows.flat_map(|(i, a)| variables[i..].iter().map(|b| block_name(a, b))).collect()
     }
 
     /// Returns the function of a robot with these run-time parameters.
@@ -349,7 +359,7 @@ impl NamedFunction {
             UserForm::Value => "",
             UserForm::Jvp => {
                 let text = format!("The change of {quoted}.");
-                fields.push(("change", value_shape(count), intern(&text)));
+                fields.push(("tangent_value", value_shape(count), intern(&text)));
                 "its change along the changes of its arguments"
             }
             UserForm::Vjp | UserForm::Gradient => "the gradients",
@@ -359,13 +369,17 @@ impl NamedFunction {
         if !matches!(form, UserForm::Value | UserForm::Jvp) {
             for &(argument, columns) in &variables {
                 let (shape, docs) = derivative(columns, argument);
-                fields.push((intern(&format!("d{}", argument.name())), shape, docs));
+                let name = match form {
+                    UserForm::Jacobian => format!("dvalue_d{}", argument.name()),
+                    _ => format!("grad_{}", argument.name()),
+                };
+                fields.push((intern(&name), shape, docs));
             }
         }
         if form == UserForm::Hessian {
             for (i, &(a, rows)) in variables.iter().enumerate() {
                 for &(b, columns) in &variables[i..] {
-                    let name = intern(&format!("d{}_d{}", a.name(), b.name()));
+                    let name = intern(&block_name(a, b));
                     let text = format!(
                         "The second derivatives{sum} with respect to `{}` (rows) and `{}` (columns), by columns.",
                         a.name(),
@@ -377,6 +391,12 @@ impl NamedFunction {
         }
         Results { fields, docs: docs.into(), sum }
     }
+}
+
+/// Returns the name of the block of a Hessian with a row for each entry of `a` and a column for each
+/// entry of `b`.
+fn block_name(a: &UserArgument, b: &UserArgument) -> String {
+    format!("hess_{}_{}", a.name(), b.name())
 }
 
 /// The name of the weights of results.
@@ -421,7 +441,7 @@ fn change(variable: &UserArgument) -> Argument {
         ArgumentKind::Coordinates => ArgumentKind::Velocities,
         other => other,
     };
-    Argument { name: intern(&format!("d{name}")), kind }
+    Argument { name: intern(&format!("tangent_{name}")), kind }
 }
 
 /// Returns a documentation that ends no comment of any language.

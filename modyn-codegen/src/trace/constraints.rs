@@ -413,7 +413,7 @@ impl Unknowns {
             Self::Steps => {
                 let mut dq = vector();
                 let mut dqd = vector();
-                let outputs = ProjectionOutputs { dq: &mut dq, dqd: &mut dqd };
+                let outputs = ProjectionOutputs { step_q: &mut dq, step_qd: &mut dqd };
                 let solve = constraints::project_constraints;
                 let rank = solve(tree, layout, state, constraints, workspaces, outputs);
                 [[dq, dqd].concat(), Vec::new(), vec![rank]]

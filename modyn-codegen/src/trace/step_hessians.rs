@@ -1,6 +1,6 @@
 //! The graph of the contracted Hessian of a time step.
 //!
-//! A semi-implicit Euler step is qd' = qd + h qdd and q' = q (+) h qd'. Multiplied by the costate
+//! A semi-implicit Euler step is qd' = qd + h qdd and q' = q (+) h qd'. Multiplied by the cotangent
 //! (l_q, l_qd), its Hessian is the Hessian of h (l_qd + h J^T l_q)^T qdd, with the derivative J of
 //! (+) by the displacement, and a correction for each rotation and each pose, whose displacements
 //! do not commute. For a group of coordinates, let E be the motion of the displacement x = h qd',
@@ -43,8 +43,8 @@ struct Displacement {
     /// h qd'.
     displacement: Vec<Id>,
     parameters: Vec<Id>,
-    /// The costate of the coordinates.
-    costate: Vec<Id>,
+    /// The cotangent of the coordinates.
+    cotangent: Vec<Id>,
 }
 
 /// The matrices S and B of a group of coordinates, by columns.
@@ -55,25 +55,25 @@ struct Curvature {
 
 impl Tracer<'_> {
     /// Returns the graph of the coordinates and velocities after a semi-implicit Euler step, and of
-    /// the gradients and the Hessian of their sum with the costate as weights: gradients by the
+    /// the gradients and the Hessian of their sum with the cotangent as weights: gradients by the
     /// state and by tau, then second derivatives by state and state, state and tau, tau and tau, by
     /// columns. A state has the entries of q (in tangent space), then the entries of qd. Inputs:
-    /// `q`, `qd`, `tau`, the time and the costate. The mass matrix is factorized with `layout`.
+    /// `q`, `qd`, `tau`, the time and the cotangent. The mass matrix is factorized with `layout`.
     #[must_use]
     pub fn step_semi_implicit_hessian(&self, layout: &UduLayout) -> Graph {
         let nq = self.model.nq;
         let nv = self.model.nv;
         let mut all = Composition::new();
-        let [q, qd, tau, dt, costate] = [nq, nv, nv, 1, 2 * nv].map(|count| all.inputs(count));
+        let [q, qd, tau, dt, cotangent] = [nq, nv, nv, 1, 2 * nv].map(|count| all.inputs(count));
         let parameters = all.inputs(self.parameters.len());
         let dt = dt[0];
-        let (of_q, of_qd) = costate.split_at(nv);
+        let (of_q, of_qd) = cotangent.split_at(nv);
         let motion = self.motion(&mut all, layout, [&q, &qd, &tau, &parameters]);
         let change = all.scaled(dt, &motion.qdd);
         let next_qd = all.sums(&qd, &change);
         let displacement = all.scaled(dt, &next_qd);
         let next_q = all.add(&self.integrate(), &[&q, &displacement, &parameters]);
-        let moved = Displacement { q, displacement, parameters, costate: of_q.to_vec() };
+        let moved = Displacement { q, displacement, parameters, cotangent: of_q.to_vec() };
         let inputs = [&moved.q[..], &moved.displacement, of_q, &moved.parameters];
         let transported = all.add(&self.transported(), &inputs);
         let (by_start, by_displacement) = transported.split_at(nv);
@@ -148,7 +148,7 @@ impl Tracer<'_> {
         &self,
         all: &mut Composition,
         block: &Coordinates<f64>,
-        Displacement { q, displacement, parameters, costate }: &Displacement,
+        Displacement { q, displacement, parameters, cotangent }: &Displacement,
     ) -> Curvature {
         let nq = self.model.nq;
         let nv = self.model.nv;
@@ -164,7 +164,7 @@ impl Tracer<'_> {
         let along_group = group.clone().flat_map(|j| {
             let mut unit = vec![zero; nv];
             unit[j] = one;
-            all.add(&changes, &[q, displacement, costate, parameters, &unit])
+            all.add(&changes, &[q, displacement, cotangent, parameters, &unit])
         });
         let slopes: Vec<Id> = along_group.collect();
         let quadratic: Vec<Id> = (0..size * size)
@@ -178,13 +178,13 @@ impl Tracer<'_> {
         let derivatives = all.add(&self.integrate_derivatives(), &[q, displacement, parameters]);
         let (by_start, by_displacement) = derivatives.split_at(nv * nv);
         let of_group = |columns: &[Id], j: usize| columns[j * nv..][group.clone()].to_vec();
-        let costate = &costate[group.clone()];
+        let cotangent = &cotangent[group.clone()];
         let weights: Vec<Vec<Id>> = group
             .clone()
             .map(|j| {
                 let x = of_group(by_start, j);
                 let (linear, angular) = x.split_at(size - 3);
-                let (force, moment) = costate.split_at(size - 3);
+                let (force, moment) = cotangent.split_at(size - 3);
                 let turned = all.cross(moment, angular);
                 if linear.is_empty() {
                     return turned;

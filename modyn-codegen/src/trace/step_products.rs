@@ -125,15 +125,15 @@ impl Tracer<'_> {
         Solved { next_q, arguments, parameters }: &Solved,
     ) -> Vec<Id> {
         let nv = self.model.nv;
-        let costate = given.numbers(&["costate"]);
-        let (of_q, of_qd) = costate.split_at(nv);
+        let cotangent = given.numbers(&["state_cotangent"]);
+        let (of_q, of_qd) = cotangent.split_at(nv);
         let to_velocity = self.qdot_to_velocity();
         let nq = self.model.nq;
         let graph = vjp(&to_velocity, 2 * nq + parameters.len(), nq..2 * nq);
         // The velocity is linear in the rates, which therefore have no effect here.
         let rates = vec![0; nq];
         let of_coordinates = all.add(&graph, &[next_q, &rates, parameters, of_q]);
-        let weights = [&of_coordinates[..], of_qd, &given.numbers(&["act_costate"])].concat();
+        let weights = [&of_coordinates[..], of_qd, &given.numbers(&["act_cotangent"])].concat();
         let results = all.add(&graphs.vjp(), &[arguments, &weights, parameters]);
         // The activations are after the controls.
         let (of_state, rest) = results[graphs.value.outputs.len()..].split_at(2 * nv);
@@ -149,7 +149,13 @@ impl Tracer<'_> {
         given: &Arguments,
         Solved { next_q, arguments, parameters }: &Solved,
     ) -> Vec<Id> {
-        let changes = given.numbers(&["dq", "dqd", "dtau", "dctrl", "dact"]);
+        let changes = given.numbers(&[
+            "tangent_q",
+            "tangent_qd",
+            "tangent_tau",
+            "tangent_ctrl",
+            "tangent_act",
+        ]);
         let change = all.add(&graphs.jvp(), &[arguments, &changes, parameters]);
         let (rates, rest) = change[graphs.value.outputs.len()..].split_at(self.model.nq);
         let displacement = all.add(&self.qdot_to_velocity(), &[next_q, rates, parameters]);

@@ -223,7 +223,7 @@ fn derivatives_of_redundant_contacts_have_the_smallest_norm() {
         let mut interpreter = Interpreter::new(model.clone());
         // The active contacts are at rest.
         let (mut dq, mut dqd) = (vec![0.0; nv], vec![0.0; nv]);
-        let into = ProjectionOutputs { dq: &mut dq, dqd: &mut dqd };
+        let into = ProjectionOutputs { step_q: &mut dq, step_qd: &mut dqd };
         let motion = equations::State { q: &state.q, qd: &state.qd };
         interpreter.project_constraints(motion, &active, &settings, into).expect("fits");
         state.qd.iter_mut().zip(&dqd).for_each(|(v, d)| *v += d);

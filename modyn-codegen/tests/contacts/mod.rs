@@ -527,7 +527,7 @@ fn what_gets_compiled_is_what_the_interpreter_computes() {
             }
 
             let (mut dq, mut dqd) = (vec![0.0; nv], vec![0.0; nv]);
-            let into = ProjectionOutputs { dq: &mut dq, dqd: &mut dqd };
+            let into = ProjectionOutputs { step_q: &mut dq, step_qd: &mut dqd };
             let projected = interpreter.project_constraints(
                 equations::State { q: &state.q, qd: &state.qd },
                 &active,
@@ -620,7 +620,7 @@ fn steps_put_active_contacts_on_their_targets_and_stop_them() {
     let active = [true, false, true, true];
     let (mut dq, mut dqd) = (vec![0.0; model.nv()], vec![0.0; model.nv()]);
     for _ in 0..30 {
-        let into = ProjectionOutputs { dq: &mut dq, dqd: &mut dqd };
+        let into = ProjectionOutputs { step_q: &mut dq, step_qd: &mut dqd };
         interpreter
             .project_constraints(equations::State { q: &q, qd: &qd }, &active, &settings, into)
             .expect("fits");
@@ -632,7 +632,7 @@ fn steps_put_active_contacts_on_their_targets_and_stop_them() {
             equations::State { q: &q, qd: &qd },
             &active,
             &settings,
-            ProjectionOutputs { dq: &mut dq, dqd: &mut dqd },
+            ProjectionOutputs { step_q: &mut dq, step_qd: &mut dqd },
         )
         .expect("fits");
     qd.iter_mut().zip(&dqd).for_each(|(v, d)| *v += d);
@@ -1172,7 +1172,7 @@ fn contacts_of_equal_limbs_in_lanes_give_the_same() {
                 assert_near(&impulse.evaluate(&inputs.concat()), &expected, 1e-8);
 
                 let (mut dq, mut dqd) = (vec![0.0; model.nv()], vec![0.0; model.nv()]);
-                let into = ProjectionOutputs { dq: &mut dq, dqd: &mut dqd };
+                let into = ProjectionOutputs { step_q: &mut dq, step_qd: &mut dqd };
                 let rank = interpreter.project_constraints(motion, &active, &settings, into);
                 let expected = [dq, dqd, vec![rank.expect("fits")]].concat();
                 assert_near(&projection.evaluate(&inputs.concat()), &expected, 1e-8);

@@ -93,7 +93,7 @@ fn assert_all_finite(model: &Model, state: &State, settings: &Settings, rank: f6
     let found = interpreter.impact_dynamics(motion, &active, settings, into).expect("fits");
     assert_eq!(found, rank);
     assert_finite(&[a.clone(), components(&wrenches)].concat());
-    let into = ProjectionOutputs { dq: &mut a, dqd: &mut b };
+    let into = ProjectionOutputs { step_q: &mut a, step_qd: &mut b };
     interpreter.project_constraints(motion, &active, settings, into).expect("fits");
     assert_finite(&[a.clone(), b].concat());
     let motion = Motion { q: &state.q, qd: &state.qd, qdd: &state.tau };

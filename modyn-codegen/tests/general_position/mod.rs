@@ -187,7 +187,7 @@ fn project(model: &Model, q: &mut [f64], qd: &mut [f64], steps: usize) -> usize 
     let (mut dq, mut dqd) = (vec![0.0; qd.len()], vec![0.0; qd.len()]);
     let mut rank = 0.0;
     for _ in 0..steps {
-        let into = ProjectionOutputs { dq: &mut dq, dqd: &mut dqd };
+        let into = ProjectionOutputs { step_q: &mut dq, step_qd: &mut dqd };
         let settings = ConstraintSettings::<f64>::DEFAULT;
         rank =
             interpreter.project_constraints(State { q, qd }, &[], &settings, into).expect("fits");

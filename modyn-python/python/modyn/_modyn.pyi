@@ -480,15 +480,15 @@ class Robot:
         qd: ArrayLike,
         controls: ArrayLike,
         dt: ArrayLike,
-        q_weights: ArrayLike | None,
-        qd_weights: ArrayLike | None,
+        q_cotangent: ArrayLike | None,
+        qd_cotangent: ArrayLike | None,
         *,
         step: str = "semi_implicit",
         gains: ArrayLike | None = None,
         q_ref: ArrayLike | None = None,
         qd_ref: ArrayLike | None = None,
         cost: QuadraticCost | None = None,
-        cost_weights: ArrayLike | None = None,
+        cost_cotangent: ArrayLike | None = None,
         settings: StepSettings | ArrayLike | None = None,
         warm_start: ArrayLike | None = None,
         act: ArrayLike | None = None,
@@ -500,8 +500,8 @@ class Robot:
         each motion: one call, which stores few states. Coordinates have an entry for each of their numbers; lengths of
         quaternions have no effect.
 
-        Arguments: the arguments of `rollout`; `q_weights`: (steps, nq) and `qd_weights`: (steps, nv), or (nq,) and (nv,) with
-        `trajectory=False`; `None` for zeros; `cost_weights`: (steps,), or () with `trajectory=False`, the weights of the cost.
+        Arguments: the arguments of `rollout`; `q_cotangent`: (steps, nq) and `qd_cotangent`: (steps, nv), or (nq,) and (nv,) with
+        `trajectory=False`; `None` for zeros; `cost_cotangent`: (steps,), or () with `trajectory=False`, the weights of the cost.
         Result: `RolloutGradients`, with the names and the shapes of the arguments.
         """
 
@@ -626,8 +626,8 @@ class Robot:
         respect to `q` (in tangent space). The wrenches rotate with their links.
 
         Arguments: `q`: (nq,); `forces`: (links, 6), forces before moments.
-        Result: `GeneralizedForces`: `tau` (nv,), `dq` (nv, nv). Several states have one more axis,
-        the first.
+        Result: `GeneralizedForces`: `tau` (nv,), `dtau_dq` (nv, nv). Several states have one more
+        axis, the first.
         """
     def generalized_forces(
         self, q: ArrayLike, forces: ArrayLike, *, out: GeneralizedForces | None = None
@@ -637,8 +637,8 @@ class Robot:
         (in tangent space). The wrenches keep their directions.
 
         Arguments: `q`: (nq,); `forces`: (links, 6), forces before moments.
-        Result: `GeneralizedForces`: `tau` (nv,), `dq` (nv, nv). Several states have one more axis,
-        the first.
+        Result: `GeneralizedForces`: `tau` (nv,), `dtau_dq` (nv, nv). Several states have one more
+        axis, the first.
         """
     def inverse_dynamics_derivatives(
         self, q: ArrayLike, qd: ArrayLike, qdd: ArrayLike, *, out: InverseDynamicsDerivatives | None = None
@@ -647,8 +647,8 @@ class Robot:
         The derivative with respect to `qdd` is the mass matrix.
 
         Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,).
-        Result: `InverseDynamicsDerivatives`: `dq` (nv, nv), `dqd` (nv, nv). Several states have one
-        more axis, the first.
+        Result: `InverseDynamicsDerivatives`: `dtau_dq` (nv, nv), `dtau_dqd` (nv, nv). Several
+        states have one more axis, the first.
         """
     def forward_dynamics_derivatives(
         self, q: ArrayLike, qd: ArrayLike, tau: ArrayLike, *, out: ForwardDynamicsDerivatives | None = None
@@ -657,8 +657,8 @@ class Robot:
         (in tangent space), `qd` and `tau`.
 
         Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,).
-        Result: `ForwardDynamicsDerivatives`: `qdd` (nv,), `dq` (nv, nv), `dqd` (nv, nv), `dtau`
-        (nv, nv). Several states have one more axis, the first.
+        Result: `ForwardDynamicsDerivatives`: `qdd` (nv,), `dqdd_dq` (nv, nv), `dqdd_dqd` (nv, nv),
+        `dqdd_dtau` (nv, nv). Several states have one more axis, the first.
         """
     def inverse_dynamics_vjp(
         self, q: ArrayLike, qd: ArrayLike, qdd: ArrayLike, cotangent: ArrayLike, *, out: InverseDynamicsVjp | None = None
@@ -668,18 +668,19 @@ class Robot:
         and `qdd`.
 
         Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,); `cotangent`: (nv,).
-        Result: `InverseDynamicsVjp`: `tau` (nv,), `dq` (nv,), `dqd` (nv,), `dqdd` (nv,). Several
-        states have one more axis, the first.
+        Result: `InverseDynamicsVjp`: `tau` (nv,), `grad_q` (nv,), `grad_qd` (nv,), `grad_qdd`
+        (nv,). Several states have one more axis, the first.
         """
     def inverse_dynamics_jvp(
-        self, q: ArrayLike, qd: ArrayLike, qdd: ArrayLike, dq: ArrayLike, dqd: ArrayLike, dqdd: ArrayLike, *, out: InverseDynamicsJvp | None = None
+        self, q: ArrayLike, qd: ArrayLike, qdd: ArrayLike, tangent_q: ArrayLike, tangent_qd: ArrayLike, tangent_qdd: ArrayLike, *, out: InverseDynamicsJvp | None = None
     ) -> InverseDynamicsJvp:
-        """Returns the joint forces tau of `qdd`, and their change under the changes `dq` (in tangent
-        space), `dqd` and `dqdd`.
+        """Returns the joint forces tau of `qdd`, and their change under the changes `tangent_q` (in
+        tangent space), `tangent_qd` and `tangent_qdd`.
 
-        Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,); `dq`: (nv,); `dqd`: (nv,); `dqdd`: (nv,).
-        Result: `InverseDynamicsJvp`: `tau` (nv,), `dtau` (nv,). Several states have one more axis,
-        the first.
+        Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,); `tangent_q`: (nv,); `tangent_qd`: (nv,);
+        `tangent_qdd`: (nv,).
+        Result: `InverseDynamicsJvp`: `tau` (nv,), `tangent_tau` (nv,). Several states have one more
+        axis, the first.
         """
     def forward_dynamics_vjp(
         self, q: ArrayLike, qd: ArrayLike, tau: ArrayLike, cotangent: ArrayLike, *, out: ForwardDynamicsVjp | None = None
@@ -688,18 +689,19 @@ class Robot:
         gradients of `cotangent`^T qdd with respect to `q` (in tangent space), `qd` and `tau`.
 
         Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `cotangent`: (nv,).
-        Result: `ForwardDynamicsVjp`: `qdd` (nv,), `dq` (nv,), `dqd` (nv,), `dtau` (nv,). Several
-        states have one more axis, the first.
+        Result: `ForwardDynamicsVjp`: `qdd` (nv,), `grad_q` (nv,), `grad_qd` (nv,), `grad_tau`
+        (nv,). Several states have one more axis, the first.
         """
     def forward_dynamics_jvp(
-        self, q: ArrayLike, qd: ArrayLike, tau: ArrayLike, dq: ArrayLike, dqd: ArrayLike, dtau: ArrayLike, *, out: ForwardDynamicsJvp | None = None
+        self, q: ArrayLike, qd: ArrayLike, tau: ArrayLike, tangent_q: ArrayLike, tangent_qd: ArrayLike, tangent_tau: ArrayLike, *, out: ForwardDynamicsJvp | None = None
     ) -> ForwardDynamicsJvp:
-        """Returns the accelerations qdd, and their change under the changes `dq` (in tangent space),
-        `dqd` and `dtau`.
+        """Returns the accelerations qdd, and their change under the changes `tangent_q` (in tangent
+        space), `tangent_qd` and `tangent_tau`.
 
-        Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dq`: (nv,); `dqd`: (nv,); `dtau`: (nv,).
-        Result: `ForwardDynamicsJvp`: `qdd` (nv,), `dqdd` (nv,). Several states have one more axis,
-        the first.
+        Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `tangent_q`: (nv,); `tangent_qd`: (nv,);
+        `tangent_tau`: (nv,).
+        Result: `ForwardDynamicsJvp`: `qdd` (nv,), `tangent_qdd` (nv,). Several states have one more
+        axis, the first.
         """
     def inverse_dynamics_hessian(
         self, q: ArrayLike, qd: ArrayLike, qdd: ArrayLike, cotangent: ArrayLike, *, out: InverseDynamicsHessian | None = None
@@ -709,9 +711,9 @@ class Robot:
         of `qdd` and `qdd` are zero.
 
         Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,); `cotangent`: (nv,).
-        Result: `InverseDynamicsHessian`: `tau` (nv,), `dq` (nv,), `dqd` (nv,), `dqdd` (nv,),
-        `dq_dq` (nv, nv), `dq_dqd` (nv, nv), `dqd_dqd` (nv, nv), `dq_dqdd` (nv, nv). Several states
-        have one more axis, the first.
+        Result: `InverseDynamicsHessian`: `tau` (nv,), `grad_q` (nv,), `grad_qd` (nv,), `grad_qdd`
+        (nv,), `hess_q_q` (nv, nv), `hess_q_qd` (nv, nv), `hess_qd_qd` (nv, nv), `hess_q_qdd` (nv,
+        nv). Several states have one more axis, the first.
         """
     def forward_dynamics_hessian(
         self, q: ArrayLike, qd: ArrayLike, tau: ArrayLike, cotangent: ArrayLike, *, out: ForwardDynamicsHessian | None = None
@@ -721,9 +723,9 @@ class Robot:
         and `tau` are zero.
 
         Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `cotangent`: (nv,).
-        Result: `ForwardDynamicsHessian`: `qdd` (nv,), `dq` (nv,), `dqd` (nv,), `dtau` (nv,),
-        `dq_dq` (nv, nv), `dq_dqd` (nv, nv), `dqd_dqd` (nv, nv), `dq_dtau` (nv, nv). Several states
-        have one more axis, the first.
+        Result: `ForwardDynamicsHessian`: `qdd` (nv,), `grad_q` (nv,), `grad_qd` (nv,), `grad_tau`
+        (nv,), `hess_q_q` (nv, nv), `hess_q_qd` (nv, nv), `hess_qd_qd` (nv, nv), `hess_q_tau` (nv,
+        nv). Several states have one more axis, the first.
         """
     def step_semi_implicit(
         self, q: ArrayLike, qd: ArrayLike, tau: ArrayLike, dt: ArrayLike, *, out: Step | None = None
@@ -746,18 +748,19 @@ class Robot:
         states have one more axis, the first.
         """
     def step_semi_implicit_hessian(
-        self, q: ArrayLike, qd: ArrayLike, tau: ArrayLike, dt: ArrayLike, costate: ArrayLike, *, out: StepHessian | None = None
+        self, q: ArrayLike, qd: ArrayLike, tau: ArrayLike, dt: ArrayLike, state_cotangent: ArrayLike, *, out: StepHessian | None = None
     ) -> StepHessian:
         """Returns the state after the time `dt` (s) by the semi-implicit Euler method, and the
-        gradients and the Hessian of `costate`^T state: `dx` and `dtau` with respect to the state
-        before and `tau`, and `dx_dx`, `dx_dtau` and `dtau_dtau`. A state has the entries of q (in
-        tangent space), then the entries of qd. Displacements of the state after the step are in
-        tangent space, too.
+        gradients and the Hessian of `state_cotangent`^T state: `grad_x` and `grad_tau` with respect
+        to the state before and `tau`, and `hess_x_x`, `hess_x_tau` and `hess_tau_tau`. A state has
+        the entries of q (in tangent space), then the entries of qd. Displacements of the state
+        after the step are in tangent space, too.
 
-        Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number; `costate`: (2 nv,).
-        Result: `StepHessian`: `q` (nq,), `qd` (nv,), `dx` (2 nv,), `dtau` (nv,), `dx_dx` (2 nv, 2
-        nv), `dx_dtau` (2 nv, nv), `dtau_dtau` (nv, nv). Several states have one more axis, the
-        first.
+        Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number; `state_cotangent`: (2
+        nv,).
+        Result: `StepHessian`: `q` (nq,), `qd` (nv,), `grad_x` (2 nv,), `grad_tau` (nv,), `hess_x_x`
+        (2 nv, 2 nv), `hess_x_tau` (2 nv, nv), `hess_tau_tau` (nv, nv). Several states have one more
+        axis, the first.
         """
     def step_rk4(
         self, q: ArrayLike, qd: ArrayLike, tau: ArrayLike, dt: ArrayLike, *, out: Step | None = None
@@ -843,8 +846,8 @@ class Robot:
         Arguments: `q`: (nq,); `qd`: (nv,); `contacts`: the names of the active contacts, or
         (contacts,), 1 for each active one, else 0; by default all are; `settings`:
         `ConstraintSettings`, by default with the ground at z = 0 under all contacts.
-        Result: `ConstraintProjection`: `dq` (nv,), `dqd` (nv,), `rank` a number. Several states
-        have one more axis, the first.
+        Result: `ConstraintProjection`: `step_q` (nv,), `step_qd` (nv,), `rank` a number. Several
+        states have one more axis, the first.
         """
     def constrained_forward_dynamics_derivatives(
         self, q: ArrayLike, qd: ArrayLike, tau: ArrayLike, contacts: ArrayLike | None = None, settings: ConstraintSettings | ArrayLike | None = None, *, out: ConstrainedForwardDynamicsDerivatives | None = None
@@ -858,9 +861,9 @@ class Robot:
         contacts, or (contacts,), 1 for each active one, else 0; by default all are; `settings`:
         `ConstraintSettings`, by default with the ground at z = 0 under all contacts.
         Result: `ConstrainedForwardDynamicsDerivatives`: `qdd` (nv,), `wrenches` (constraints, 6),
-        `dq` (nv, nv), `dqd` (nv, nv), `dtau` (nv, nv), `wrenches_dq` (constraints, 6, nv),
-        `wrenches_dqd` (constraints, 6, nv), `wrenches_dtau` (constraints, 6, nv), `rank` a number,
-        forces before moments. Several states have one more axis, the first.
+        `dqdd_dq` (nv, nv), `dqdd_dqd` (nv, nv), `dqdd_dtau` (nv, nv), `dwrenches_dq` (constraints,
+        6, nv), `dwrenches_dqd` (constraints, 6, nv), `dwrenches_dtau` (constraints, 6, nv), `rank`
+        a number, forces before moments. Several states have one more axis, the first.
         """
     def constrained_forward_dynamics_hessian(
         self, q: ArrayLike, qd: ArrayLike, tau: ArrayLike, cotangent: ArrayLike, wrench_cotangent: ArrayLike, contacts: ArrayLike | None = None, settings: ConstraintSettings | ArrayLike | None = None, *, out: ConstrainedForwardDynamicsHessian | None = None
@@ -875,10 +878,10 @@ class Robot:
         (constraints, 6), forces before moments; `contacts`: the names of the active contacts, or
         (contacts,), 1 for each active one, else 0; by default all are; `settings`:
         `ConstraintSettings`, by default with the ground at z = 0 under all contacts.
-        Result: `ConstrainedForwardDynamicsHessian`: `qdd` (nv,), `wrenches` (constraints, 6), `dq`
-        (nv,), `dqd` (nv,), `dtau` (nv,), `dq_dq` (nv, nv), `dq_dqd` (nv, nv), `dqd_dqd` (nv, nv),
-        `dq_dtau` (nv, nv), `rank` a number, forces before moments. Several states have one more
-        axis, the first.
+        Result: `ConstrainedForwardDynamicsHessian`: `qdd` (nv,), `wrenches` (constraints, 6),
+        `grad_q` (nv,), `grad_qd` (nv,), `grad_tau` (nv,), `hess_q_q` (nv, nv), `hess_q_qd` (nv,
+        nv), `hess_qd_qd` (nv, nv), `hess_q_tau` (nv, nv), `rank` a number, forces before moments.
+        Several states have one more axis, the first.
         """
     def impact_dynamics(
         self, q: ArrayLike, qd: ArrayLike, contacts: ArrayLike | None = None, settings: ConstraintSettings | ArrayLike | None = None, *, out: ImpactDynamics | None = None
@@ -926,32 +929,33 @@ class Robot:
         have one more axis, the first.
         """
     def step_vjp(
-        self, q: ArrayLike, qd: ArrayLike, tau: ArrayLike, dt: ArrayLike, costate: ArrayLike, warm_start: ArrayLike | None = None, settings: StepSettings | ArrayLike | None = None, *, out: StepVjp | None = None
+        self, q: ArrayLike, qd: ArrayLike, tau: ArrayLike, dt: ArrayLike, state_cotangent: ArrayLike, warm_start: ArrayLike | None = None, settings: StepSettings | ArrayLike | None = None, *, out: StepVjp | None = None
     ) -> StepVjp:
-        """Returns the results of `step`, and the gradients of `costate`^T state after it with respect
-        to the state before, `dx`, and to `tau`. A state has the entries of q (in tangent space),
-        then the entries of qd. At kinks they are as in `step_derivatives`.
+        """Returns the results of `step`, and the gradients of `state_cotangent`^T state after it:
+        `grad_x` with respect to the state before, and `grad_tau`. A state has the entries of q (in
+        tangent space), then the entries of qd. At kinks they are as in `step_derivatives`.
 
-        Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number; `costate`: (2 nv,);
-        `warm_start`: (nv,), by default zeros; `settings`: `StepSettings`, by default the result of
-        `step_settings()`.
-        Result: `StepVjp`: `q` (nq,), `qd` (nv,), `qdd` (nv,), `forces` (touching points, 3), `dx`
-        (2 nv,), `dtau` (nv,), `residual` a number, `iterations` a number. Several states have one
-        more axis, the first.
+        Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number; `state_cotangent`: (2
+        nv,); `warm_start`: (nv,), by default zeros; `settings`: `StepSettings`, by default the
+        result of `step_settings()`.
+        Result: `StepVjp`: `q` (nq,), `qd` (nv,), `qdd` (nv,), `forces` (touching points, 3),
+        `grad_x` (2 nv,), `grad_tau` (nv,), `residual` a number, `iterations` a number. Several
+        states have one more axis, the first.
         """
     def step_jvp(
-        self, q: ArrayLike, qd: ArrayLike, tau: ArrayLike, dq: ArrayLike, dqd: ArrayLike, dtau: ArrayLike, dt: ArrayLike, warm_start: ArrayLike | None = None, settings: StepSettings | ArrayLike | None = None, *, out: StepJvp | None = None
+        self, q: ArrayLike, qd: ArrayLike, tau: ArrayLike, tangent_q: ArrayLike, tangent_qd: ArrayLike, tangent_tau: ArrayLike, dt: ArrayLike, warm_start: ArrayLike | None = None, settings: StepSettings | ArrayLike | None = None, *, out: StepJvp | None = None
     ) -> StepJvp:
-        """Returns the results of `step`, and the change `dx` of the state after it under the changes
-        `dq` (in tangent space), `dqd` and `dtau`. A state has the entries of q (in tangent space),
-        then the entries of qd. At kinks it is as in `step_derivatives`.
+        """Returns the results of `step`, and the change `tangent_x` of the state after it under the
+        changes `tangent_q` (in tangent space), `tangent_qd` and `tangent_tau`. A state has the
+        entries of q (in tangent space), then the entries of qd. At kinks it is as in
+        `step_derivatives`.
 
-        Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dq`: (nv,); `dqd`: (nv,); `dtau`: (nv,);
-        `dt`: a number; `warm_start`: (nv,), by default zeros; `settings`: `StepSettings`, by
-        default the result of `step_settings()`.
-        Result: `StepJvp`: `q` (nq,), `qd` (nv,), `qdd` (nv,), `forces` (touching points, 3), `dx`
-        (2 nv,), `residual` a number, `iterations` a number. Several states have one more axis, the
-        first.
+        Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `tangent_q`: (nv,); `tangent_qd`: (nv,);
+        `tangent_tau`: (nv,); `dt`: a number; `warm_start`: (nv,), by default zeros; `settings`:
+        `StepSettings`, by default the result of `step_settings()`.
+        Result: `StepJvp`: `q` (nq,), `qd` (nv,), `qdd` (nv,), `forces` (touching points, 3),
+        `tangent_x` (2 nv,), `residual` a number, `iterations` a number. Several states have one
+        more axis, the first.
         """
     def actuate(
         self, q: ArrayLike, qd: ArrayLike, ctrl: ArrayLike, dt: ArrayLike, act: ArrayLike | None = None, *, out: ActuatorForces | None = None
@@ -999,37 +1003,38 @@ class Robot:
         more axis, the first.
         """
     def step_actuated_vjp(
-        self, q: ArrayLike, qd: ArrayLike, ctrl: ArrayLike, dt: ArrayLike, costate: ArrayLike, act: ArrayLike | None = None, act_costate: ArrayLike | None = None, applied: ArrayLike | None = None, warm_start: ArrayLike | None = None, settings: StepSettings | ArrayLike | None = None, *, out: ActuatedStepVjp | None = None
+        self, q: ArrayLike, qd: ArrayLike, ctrl: ArrayLike, dt: ArrayLike, state_cotangent: ArrayLike, act: ArrayLike | None = None, act_cotangent: ArrayLike | None = None, applied: ArrayLike | None = None, warm_start: ArrayLike | None = None, settings: StepSettings | ArrayLike | None = None, *, out: ActuatedStepVjp | None = None
     ) -> ActuatedStepVjp:
-        """Returns the results of `step_actuated`, and the gradients of `costate`^T state +
-        `act_costate`^T act after it with respect to the state before, `dx`, and to `ctrl`. The
-        state `dx` has the entries of q (in tangent space), the entries of qd, then `act`. At kinks
-        they are as in `step_derivatives`.
+        """Returns the results of `step_actuated`, and the gradients of `state_cotangent`^T state +
+        `act_cotangent`^T act after it: `grad_x` with respect to the state before, and `grad_ctrl`.
+        The state of `grad_x` has the entries of q (in tangent space), the entries of qd, then
+        `act`. At kinks they are as in `step_derivatives`.
 
-        Arguments: `q`: (nq,); `qd`: (nv,); `ctrl`: (controls,); `dt`: a number; `costate`: (2 nv,);
-        `act`: (activations,), which a robot without activations leaves out; `act_costate`:
-        (activations,), by default zeros; `applied`: (nv,), by default zeros; `warm_start`: (nv,),
-        by default zeros; `settings`: `StepSettings`, by default the result of `step_settings()`.
-        Result: `ActuatedStepVjp`: `q` (nq,), `qd` (nv,), `act` (activations,), `qdd` (nv,),
-        `forces` (touching points, 3), `dx` (2 nv + activations,), `dctrl` (controls,), `residual` a
-        number, `iterations` a number. Several states have one more axis, the first.
-        """
-    def step_actuated_jvp(
-        self, q: ArrayLike, qd: ArrayLike, dq: ArrayLike, dqd: ArrayLike, ctrl: ArrayLike, dctrl: ArrayLike, dt: ArrayLike, act: ArrayLike | None = None, dact: ArrayLike | None = None, applied: ArrayLike | None = None, warm_start: ArrayLike | None = None, settings: StepSettings | ArrayLike | None = None, *, out: ActuatedStepJvp | None = None
-    ) -> ActuatedStepJvp:
-        """Returns the results of `step_actuated`, and the change `dx` of the state after it under the
-        changes `dq` (in tangent space), `dqd`, `dctrl` and `dact`. The state `dx` has the entries
-        of q (in tangent space), the entries of qd, then `act`. At kinks it is as in
-        `step_derivatives`.
-
-        Arguments: `q`: (nq,); `qd`: (nv,); `dq`: (nv,); `dqd`: (nv,); `ctrl`: (controls,); `dctrl`:
-        (controls,); `dt`: a number; `act`: (activations,), which a robot without activations leaves
-        out; `dact`: (activations,), by default zeros; `applied`: (nv,), by default zeros;
+        Arguments: `q`: (nq,); `qd`: (nv,); `ctrl`: (controls,); `dt`: a number; `state_cotangent`:
+        (2 nv,); `act`: (activations,), which a robot without activations leaves out;
+        `act_cotangent`: (activations,), by default zeros; `applied`: (nv,), by default zeros;
         `warm_start`: (nv,), by default zeros; `settings`: `StepSettings`, by default the result of
         `step_settings()`.
+        Result: `ActuatedStepVjp`: `q` (nq,), `qd` (nv,), `act` (activations,), `qdd` (nv,),
+        `forces` (touching points, 3), `grad_x` (2 nv + activations,), `grad_ctrl` (controls,),
+        `residual` a number, `iterations` a number. Several states have one more axis, the first.
+        """
+    def step_actuated_jvp(
+        self, q: ArrayLike, qd: ArrayLike, tangent_q: ArrayLike, tangent_qd: ArrayLike, ctrl: ArrayLike, tangent_ctrl: ArrayLike, dt: ArrayLike, act: ArrayLike | None = None, tangent_act: ArrayLike | None = None, applied: ArrayLike | None = None, warm_start: ArrayLike | None = None, settings: StepSettings | ArrayLike | None = None, *, out: ActuatedStepJvp | None = None
+    ) -> ActuatedStepJvp:
+        """Returns the results of `step_actuated`, and the change `tangent_x` of the state after it
+        under the changes `tangent_q` (in tangent space), `tangent_qd`, `tangent_ctrl` and
+        `tangent_act`. The state of `tangent_x` has the entries of q (in tangent space), the entries
+        of qd, then `act`. At kinks it is as in `step_derivatives`.
+
+        Arguments: `q`: (nq,); `qd`: (nv,); `tangent_q`: (nv,); `tangent_qd`: (nv,); `ctrl`:
+        (controls,); `tangent_ctrl`: (controls,); `dt`: a number; `act`: (activations,), which a
+        robot without activations leaves out; `tangent_act`: (activations,), by default zeros;
+        `applied`: (nv,), by default zeros; `warm_start`: (nv,), by default zeros; `settings`:
+        `StepSettings`, by default the result of `step_settings()`.
         Result: `ActuatedStepJvp`: `q` (nq,), `qd` (nv,), `act` (activations,), `qdd` (nv,),
-        `forces` (touching points, 3), `dx` (2 nv + activations,), `residual` a number, `iterations`
-        a number. Several states have one more axis, the first.
+        `forces` (touching points, 3), `tangent_x` (2 nv + activations,), `residual` a number,
+        `iterations` a number. Several states have one more axis, the first.
         """
     def constrained_inverse_dynamics(
         self, q: ArrayLike, qd: ArrayLike, qdd: ArrayLike, contacts: ArrayLike | None = None, settings: ConstraintSettings | ArrayLike | None = None, *, out: ConstrainedInverseDynamics | None = None
@@ -1162,9 +1167,9 @@ class Robot:
         with respect to `qdd`, are the centroidal momentum matrix.
 
         Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,).
-        Result: `CentroidalMomentumDerivatives`: `momentum` (6,), `rate` (6,), `momentum_dq` (6,
-        nv), `rate_dq` (6, nv), `rate_dqd` (6, nv), linear before angular components. Several states
-        have one more axis, the first.
+        Result: `CentroidalMomentumDerivatives`: `momentum` (6,), `rate` (6,), `dmomentum_dq` (6,
+        nv), `drate_dq` (6, nv), `drate_dqd` (6, nv), linear before angular components. Several
+        states have one more axis, the first.
         """
     def link_poses(
         self, q: ArrayLike, *, out: Pose | None = None
@@ -1319,8 +1324,8 @@ class Robot:
         displacements of `q` and of the result are in the axes at each of them.
 
         Arguments: `q`: (nq,); `v`: (nv,).
-        Result: `IntegrateDerivatives`: `dq` (nv, nv), `dv` (nv, nv). Several states have one more
-        axis, the first.
+        Result: `IntegrateDerivatives`: `dq_dq` (nv, nv), `dq_dv` (nv, nv). Several states have one
+        more axis, the first.
         """
     def difference_derivatives(
         self, from_: ArrayLike, to: ArrayLike, *, out: DifferenceDerivatives | None = None
@@ -1329,8 +1334,8 @@ class Robot:
         displacements are in the axes at `from_` and at `to`.
 
         Arguments: `from_`: (nq,); `to`: (nq,).
-        Result: `DifferenceDerivatives`: `dfrom` (nv, nv), `dto` (nv, nv). Several states have one
-        more axis, the first.
+        Result: `DifferenceDerivatives`: `dv_dfrom` (nv, nv), `dv_dto` (nv, nv). Several states have
+        one more axis, the first.
         """
     def velocity_to_qdot(
         self, q: ArrayLike, qd: ArrayLike, *, out: Array | None = None

@@ -77,7 +77,7 @@ class ActuatedStepJvp(NamedTuple):
     """(nv,)"""
     forces: NDArray[Any]
     """(touching points, 3)"""
-    dx: NDArray[Any]
+    tangent_x: NDArray[Any]
     """(2 nv + activations,)"""
     residual: NDArray[Any]
     """a number"""
@@ -98,9 +98,9 @@ class ActuatedStepVjp(NamedTuple):
     """(nv,)"""
     forces: NDArray[Any]
     """(touching points, 3)"""
-    dx: NDArray[Any]
+    grad_x: NDArray[Any]
     """(2 nv + activations,)"""
-    dctrl: NDArray[Any]
+    grad_ctrl: NDArray[Any]
     """(controls,)"""
     residual: NDArray[Any]
     """a number"""
@@ -124,11 +124,11 @@ class CentroidalMomentumDerivatives(NamedTuple):
     """(6,)"""
     rate: NDArray[Any]
     """(6,)"""
-    momentum_dq: NDArray[Any]
+    dmomentum_dq: NDArray[Any]
     """(6, nv)"""
-    rate_dq: NDArray[Any]
+    drate_dq: NDArray[Any]
     """(6, nv)"""
-    rate_dqd: NDArray[Any]
+    drate_dqd: NDArray[Any]
     """(6, nv)"""
 
 
@@ -152,17 +152,17 @@ class ConstrainedForwardDynamicsDerivatives(NamedTuple):
     """(nv,)"""
     wrenches: NDArray[Any]
     """(constraints, 6)"""
-    dq: NDArray[Any]
+    dqdd_dq: NDArray[Any]
     """(nv, nv)"""
-    dqd: NDArray[Any]
+    dqdd_dqd: NDArray[Any]
     """(nv, nv)"""
-    dtau: NDArray[Any]
+    dqdd_dtau: NDArray[Any]
     """(nv, nv)"""
-    wrenches_dq: NDArray[Any]
+    dwrenches_dq: NDArray[Any]
     """(constraints, 6, nv)"""
-    wrenches_dqd: NDArray[Any]
+    dwrenches_dqd: NDArray[Any]
     """(constraints, 6, nv)"""
-    wrenches_dtau: NDArray[Any]
+    dwrenches_dtau: NDArray[Any]
     """(constraints, 6, nv)"""
     rank: NDArray[Any]
     """a number"""
@@ -175,19 +175,19 @@ class ConstrainedForwardDynamicsHessian(NamedTuple):
     """(nv,)"""
     wrenches: NDArray[Any]
     """(constraints, 6)"""
-    dq: NDArray[Any]
+    grad_q: NDArray[Any]
     """(nv,)"""
-    dqd: NDArray[Any]
+    grad_qd: NDArray[Any]
     """(nv,)"""
-    dtau: NDArray[Any]
+    grad_tau: NDArray[Any]
     """(nv,)"""
-    dq_dq: NDArray[Any]
+    hess_q_q: NDArray[Any]
     """(nv, nv)"""
-    dq_dqd: NDArray[Any]
+    hess_q_qd: NDArray[Any]
     """(nv, nv)"""
-    dqd_dqd: NDArray[Any]
+    hess_qd_qd: NDArray[Any]
     """(nv, nv)"""
-    dq_dtau: NDArray[Any]
+    hess_q_tau: NDArray[Any]
     """(nv, nv)"""
     rank: NDArray[Any]
     """a number"""
@@ -207,9 +207,9 @@ class ConstrainedInverseDynamics(NamedTuple):
 class ConstraintProjection(NamedTuple):
     """The result of `project_constraints`."""
 
-    dq: NDArray[Any]
+    step_q: NDArray[Any]
     """(nv,)"""
-    dqd: NDArray[Any]
+    step_qd: NDArray[Any]
     """(nv,)"""
     rank: NDArray[Any]
     """a number"""
@@ -227,9 +227,9 @@ class ConstraintResidual(NamedTuple):
 class DifferenceDerivatives(NamedTuple):
     """The result of `difference_derivatives`."""
 
-    dfrom: NDArray[Any]
+    dv_dfrom: NDArray[Any]
     """(nv, nv)"""
-    dto: NDArray[Any]
+    dv_dto: NDArray[Any]
     """(nv, nv)"""
 
 
@@ -238,11 +238,11 @@ class ForwardDynamicsDerivatives(NamedTuple):
 
     qdd: NDArray[Any]
     """(nv,)"""
-    dq: NDArray[Any]
+    dqdd_dq: NDArray[Any]
     """(nv, nv)"""
-    dqd: NDArray[Any]
+    dqdd_dqd: NDArray[Any]
     """(nv, nv)"""
-    dtau: NDArray[Any]
+    dqdd_dtau: NDArray[Any]
     """(nv, nv)"""
 
 
@@ -251,19 +251,19 @@ class ForwardDynamicsHessian(NamedTuple):
 
     qdd: NDArray[Any]
     """(nv,)"""
-    dq: NDArray[Any]
+    grad_q: NDArray[Any]
     """(nv,)"""
-    dqd: NDArray[Any]
+    grad_qd: NDArray[Any]
     """(nv,)"""
-    dtau: NDArray[Any]
+    grad_tau: NDArray[Any]
     """(nv,)"""
-    dq_dq: NDArray[Any]
+    hess_q_q: NDArray[Any]
     """(nv, nv)"""
-    dq_dqd: NDArray[Any]
+    hess_q_qd: NDArray[Any]
     """(nv, nv)"""
-    dqd_dqd: NDArray[Any]
+    hess_qd_qd: NDArray[Any]
     """(nv, nv)"""
-    dq_dtau: NDArray[Any]
+    hess_q_tau: NDArray[Any]
     """(nv, nv)"""
 
 
@@ -272,7 +272,7 @@ class ForwardDynamicsJvp(NamedTuple):
 
     qdd: NDArray[Any]
     """(nv,)"""
-    dqdd: NDArray[Any]
+    tangent_qdd: NDArray[Any]
     """(nv,)"""
 
 
@@ -281,11 +281,11 @@ class ForwardDynamicsVjp(NamedTuple):
 
     qdd: NDArray[Any]
     """(nv,)"""
-    dq: NDArray[Any]
+    grad_q: NDArray[Any]
     """(nv,)"""
-    dqd: NDArray[Any]
+    grad_qd: NDArray[Any]
     """(nv,)"""
-    dtau: NDArray[Any]
+    grad_tau: NDArray[Any]
     """(nv,)"""
 
 
@@ -294,7 +294,7 @@ class GeneralizedForces(NamedTuple):
 
     tau: NDArray[Any]
     """(nv,)"""
-    dq: NDArray[Any]
+    dtau_dq: NDArray[Any]
     """(nv, nv)"""
 
 
@@ -312,18 +312,18 @@ class ImpactDynamics(NamedTuple):
 class IntegrateDerivatives(NamedTuple):
     """The result of `integrate_derivatives`."""
 
-    dq: NDArray[Any]
+    dq_dq: NDArray[Any]
     """(nv, nv)"""
-    dv: NDArray[Any]
+    dq_dv: NDArray[Any]
     """(nv, nv)"""
 
 
 class InverseDynamicsDerivatives(NamedTuple):
     """The result of `inverse_dynamics_derivatives`."""
 
-    dq: NDArray[Any]
+    dtau_dq: NDArray[Any]
     """(nv, nv)"""
-    dqd: NDArray[Any]
+    dtau_dqd: NDArray[Any]
     """(nv, nv)"""
 
 
@@ -332,19 +332,19 @@ class InverseDynamicsHessian(NamedTuple):
 
     tau: NDArray[Any]
     """(nv,)"""
-    dq: NDArray[Any]
+    grad_q: NDArray[Any]
     """(nv,)"""
-    dqd: NDArray[Any]
+    grad_qd: NDArray[Any]
     """(nv,)"""
-    dqdd: NDArray[Any]
+    grad_qdd: NDArray[Any]
     """(nv,)"""
-    dq_dq: NDArray[Any]
+    hess_q_q: NDArray[Any]
     """(nv, nv)"""
-    dq_dqd: NDArray[Any]
+    hess_q_qd: NDArray[Any]
     """(nv, nv)"""
-    dqd_dqd: NDArray[Any]
+    hess_qd_qd: NDArray[Any]
     """(nv, nv)"""
-    dq_dqdd: NDArray[Any]
+    hess_q_qdd: NDArray[Any]
     """(nv, nv)"""
 
 
@@ -353,7 +353,7 @@ class InverseDynamicsJvp(NamedTuple):
 
     tau: NDArray[Any]
     """(nv,)"""
-    dtau: NDArray[Any]
+    tangent_tau: NDArray[Any]
     """(nv,)"""
 
 
@@ -362,11 +362,11 @@ class InverseDynamicsVjp(NamedTuple):
 
     tau: NDArray[Any]
     """(nv,)"""
-    dq: NDArray[Any]
+    grad_q: NDArray[Any]
     """(nv,)"""
-    dqd: NDArray[Any]
+    grad_qd: NDArray[Any]
     """(nv,)"""
-    dqdd: NDArray[Any]
+    grad_qdd: NDArray[Any]
     """(nv,)"""
 
 
@@ -463,15 +463,15 @@ class StepHessian(NamedTuple):
     """(nq,)"""
     qd: NDArray[Any]
     """(nv,)"""
-    dx: NDArray[Any]
+    grad_x: NDArray[Any]
     """(2 nv,)"""
-    dtau: NDArray[Any]
+    grad_tau: NDArray[Any]
     """(nv,)"""
-    dx_dx: NDArray[Any]
+    hess_x_x: NDArray[Any]
     """(2 nv, 2 nv)"""
-    dx_dtau: NDArray[Any]
+    hess_x_tau: NDArray[Any]
     """(2 nv, nv)"""
-    dtau_dtau: NDArray[Any]
+    hess_tau_tau: NDArray[Any]
     """(nv, nv)"""
 
 
@@ -486,7 +486,7 @@ class StepJvp(NamedTuple):
     """(nv,)"""
     forces: NDArray[Any]
     """(touching points, 3)"""
-    dx: NDArray[Any]
+    tangent_x: NDArray[Any]
     """(2 nv,)"""
     residual: NDArray[Any]
     """a number"""
@@ -522,9 +522,9 @@ class StepVjp(NamedTuple):
     """(nv,)"""
     forces: NDArray[Any]
     """(touching points, 3)"""
-    dx: NDArray[Any]
+    grad_x: NDArray[Any]
     """(2 nv,)"""
-    dtau: NDArray[Any]
+    grad_tau: NDArray[Any]
     """(nv,)"""
     residual: NDArray[Any]
     """a number"""

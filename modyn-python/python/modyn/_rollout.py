@@ -95,15 +95,15 @@ def rollout_vjp(
     qd: ArrayLike,
     controls: ArrayLike,
     dt: ArrayLike,
-    q_weights: ArrayLike | None,
-    qd_weights: ArrayLike | None,
+    q_cotangent: ArrayLike | None,
+    qd_cotangent: ArrayLike | None,
     *,
     step: str = "semi_implicit",
     gains: ArrayLike | None = None,
     q_ref: ArrayLike | None = None,
     qd_ref: ArrayLike | None = None,
     cost: QuadraticCost | None = None,
-    cost_weights: ArrayLike | None = None,
+    cost_cotangent: ArrayLike | None = None,
     settings: StepSettings | ArrayLike | None = None,
     warm_start: ArrayLike | None = None,
     act: ArrayLike | None = None,
@@ -115,16 +115,16 @@ def rollout_vjp(
     each motion: one call, which stores few states. Coordinates have an entry for each of their numbers; lengths of
     quaternions have no effect.
 
-    Arguments: the arguments of `rollout`; `q_weights`: (steps, nq) and `qd_weights`: (steps, nv), or (nq,) and (nv,) with
-    `trajectory=False`; `None` for zeros; `cost_weights`: (steps,), or () with `trajectory=False`, the weights of the cost.
+    Arguments: the arguments of `rollout`; `q_cotangent`: (steps, nq) and `qd_cotangent`: (steps, nv), or (nq,) and (nv,) with
+    `trajectory=False`; `None` for zeros; `cost_cotangent`: (steps,), or () with `trajectory=False`, the weights of the cost.
     Result: `RolloutGradients`, with the names and the shapes of the arguments.
     """
     state = {"q": q, "qd": qd, "controls": controls, "dt": dt, "act": act, "applied": applied}
     arguments = {**state, "settings": settings, "warm_start": warm_start, "gains": gains, "q_ref": q_ref, "qd_ref": qd_ref}
-    weights: tuple[Any, ...] = (q_weights, qd_weights, cost_weights)
+    weights: tuple[Any, ...] = (q_cotangent, qd_cotangent, cost_cotangent)
     arrays, code = _given(self, "rollout_vjp", arguments, (step, ground), trajectory, cost)
     if cost is None and weights[2] is not None:
-        raise TypeError("`cost_weights` of `rollout_vjp` are those of a `cost`")
+        raise TypeError("`cost_cotangent` of `rollout_vjp` needs a `cost`")
     solves = code.step.start is not None
     own = ("cost",) if cost is not None else ()
     names = ["q", "qd", *own, "controls", "dt", *(name for name in OWN if name in RolloutSignature.of(self, step, ground).shapes)]
@@ -133,7 +133,7 @@ def rollout_vjp(
     wanted = [k for k, name in enumerate(names) if name not in own and k != code.step.start]
     gradient = code.gradient(wanted)
     weights = (*weights[:2], *[None] * (len(code.outputs) - 2)) if solves else weights
-    for name, shape, given in zip(("q_weights", "qd_weights", "cost_weights", *[""] * len(weights)), code.outputs, weights):
+    for name, shape, given in zip(("q_cotangent", "qd_cotangent", "cost_cotangent", *[""] * len(weights)), code.outputs, weights):
         weight = np.ascontiguousarray(np.zeros(shape) if given is None else given, self.dtype).reshape(np.shape(given) or shape)
         if weight.shape[weight.ndim - len(shape) :] != shape:
             raise ValueError(f"`{name}` of `rollout_vjp` has the shape {weight.shape}; expected {shape}, after axes of motions")

@@ -58,10 +58,10 @@ impl<S: Scalar> Interpreter<S> {
         Ok(self.solve_constrained(input, settings, outputs))
     }
 
-    /// Computes the smallest step `dq` (rad or m, in tangent space) that closes the loops at `q`
-    /// and moves the `active` contacts to their targets to first order, and the smallest change
-    /// `dqd` of the velocities that keeps them there. Returns the number of independent constraint
-    /// rows, an integer.
+    /// Computes the smallest step `step_q` (rad or m, in tangent space) that closes the loops at
+    /// `q` and moves the `active` contacts to their targets to first order, and the smallest change
+    /// `step_qd` of the velocities that keeps them there. Returns the number of independent
+    /// constraint rows, an integer.
     ///
     /// Steps are smallest in the metric of the mass matrix. The settings `alpha` and `beta` have no
     /// effect. The first call of this function or of
@@ -80,7 +80,7 @@ impl<S: Scalar> Interpreter<S> {
         outputs: ProjectionOutputs<'_, S>,
     ) -> Result<S, ShapeError> {
         self.check_state(state)?;
-        self.check_vectors(&[("dq", outputs.dq), ("dqd", outputs.dqd)])?;
+        self.check_vectors(&[("step_q", outputs.step_q), ("step_qd", outputs.step_qd)])?;
         self.set_active(active, settings)?;
         Ok(self.solve_projection(state, settings, outputs))
     }

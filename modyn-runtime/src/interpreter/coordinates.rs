@@ -70,13 +70,13 @@ impl<S: Scalar> Interpreter<S> {
         &self,
         q: &[S],
         v: &[S],
-        dq: &mut [S],
-        dv: &mut [S],
+        dq_dq: &mut [S],
+        dq_dv: &mut [S],
     ) -> Result<(), ShapeError> {
         self.check_coordinates(q)?;
         self.check_vectors(&[("v", v)])?;
-        self.check_matrices(&[("dq", dq), ("dv", dv)])?;
-        coordinates::integrate_derivatives(&self.mechanism, v, dq, dv);
+        self.check_matrices(&[("dq_dq", dq_dq), ("dq_dv", dq_dv)])?;
+        coordinates::integrate_derivatives(&self.mechanism, v, dq_dq, dq_dv);
         Ok(())
     }
 
@@ -91,14 +91,14 @@ impl<S: Scalar> Interpreter<S> {
         &self,
         from: &[S],
         to: &[S],
-        dfrom: &mut [S],
-        dto: &mut [S],
+        dv_dfrom: &mut [S],
+        dv_dto: &mut [S],
     ) -> Result<(), ShapeError> {
         let nq = self.model.nq();
         check("from", from, nq)?;
         check("to", to, nq)?;
-        self.check_matrices(&[("dfrom", dfrom), ("dto", dto)])?;
-        coordinates::difference_derivatives(&self.mechanism, from, to, dfrom, dto);
+        self.check_matrices(&[("dv_dfrom", dv_dfrom), ("dv_dto", dv_dto)])?;
+        coordinates::difference_derivatives(&self.mechanism, from, to, dv_dfrom, dv_dto);
         Ok(())
     }
 

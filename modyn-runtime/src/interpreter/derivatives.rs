@@ -125,15 +125,15 @@ impl<S: Scalar> Interpreter<S> {
     ///
     /// // A pendulum: 2 kg, 0.5 m below its joint.
     /// let mut pendulum = Interpreter::<f64>::new(model);
-    /// let (mut qdd, mut dq, mut dqd, mut dtau) = ([0.0], [0.0], [0.0], [0.0]);
+    /// let [mut qdd, mut dqdd_dq, mut dqdd_dqd, mut dqdd_dtau] = [[0.0]; 4];
     /// let outputs = modyn_runtime::ForwardDerivatives {
     ///     qdd: &mut qdd,
-    ///     dqdd_dq: &mut dq,
-    ///     dqdd_dqd: &mut dqd,
-    ///     dqdd_dtau: &mut dtau,
+    ///     dqdd_dq: &mut dqdd_dq,
+    ///     dqdd_dqd: &mut dqdd_dqd,
+    ///     dqdd_dtau: &mut dqdd_dtau,
     /// };
     /// pendulum.forward_dynamics_derivatives(&[0.0], &[0.0], &[0.0], outputs)?;
-    /// assert!((dq[0] + 9.81 / 0.5).abs() < 1e-12 && (dtau[0] - 2.0).abs() < 1e-12);
+    /// assert!((dqdd_dq[0] + 9.81 / 0.5).abs() < 1e-12 && (dqdd_dtau[0] - 2.0).abs() < 1e-12);
     /// # Ok::<(), modyn_runtime::ShapeError>(())
     /// ```
     ///

@@ -43,17 +43,17 @@ pub struct StepHessianOutputs<'a, S> {
     /// The velocities after the step.
     pub qd: &'a mut [S],
     /// The gradient with respect to the state before the step: 2 nv entries.
-    pub dx: &'a mut [S],
+    pub grad_x: &'a mut [S],
     /// The gradient with respect to tau: nv entries.
-    pub dtau: &'a mut [S],
+    pub grad_tau: &'a mut [S],
     /// The second derivatives with respect to the state before the step: 2 nv columns of 2 nv
     /// entries.
-    pub dx_dx: &'a mut [S],
+    pub hess_x_x: &'a mut [S],
     /// The second derivatives with respect to the state before the step and tau: nv columns of 2 nv
     /// entries.
-    pub dx_dtau: &'a mut [S],
+    pub hess_x_tau: &'a mut [S],
     /// The second derivatives with respect to tau: nv columns of nv entries.
-    pub dtau_dtau: &'a mut [S],
+    pub hess_tau_tau: &'a mut [S],
 }
 
 /// The gradients of a weighted sum with respect to q, qd and the third variable.
@@ -102,16 +102,16 @@ impl<S: Scalar> Interpreter<S> {
         self.inverse_dynamics_vjp(Motion { q, qd, qdd }, cotangent, value, gradients)?;
         let mut jacobians = matrices(self.model.nv());
         let derive = |model: &Mechanism<_>, [q, qd, qdd]: [&[_]; 3], by: &mut Gradients<S>| {
-            let [dq, dqd, dqdd] = &mut jacobians;
+            let [dtau_dq, dtau_dqd, dtau_dqdd] = &mut jacobians;
             let workspace = &mut Workspace::new(model);
             derivatives::inverse_dynamics_derivatives(
                 model,
                 Motion { q, qd, qdd },
                 workspace,
-                dq,
-                dqd,
+                dtau_dq,
+                dtau_dqd,
             );
-            mass_matrix(model, q, workspace, dqdd);
+            mass_matrix(model, q, workspace, dtau_dqdd);
             add_weighted(&jacobians, cotangent, by);
         };
         self.differentiate([q, qd, qdd], derive, hessian);
@@ -154,8 +154,9 @@ impl<S: Scalar> Interpreter<S> {
     }
 
     /// Computes the state after the time `dt` (s) by the semi-implicit Euler method, and the
-    /// gradients and the Hessian of `costate`^T state with respect to the state before the step and
-    /// tau. The 2 nv entries of the costate are the weights of q, then the weights of qd.
+    /// gradients and the Hessian of `state_cotangent`^T state with respect to the state before the
+    /// step and tau. The 2 nv entries of the state_cotangent are the weights of q, then the weights
+    /// of qd.
     ///
     /// The Hessian is taken for displacements along [`integrate`](Self::integrate) before the step
     /// and along [`difference`](Self::difference) after it, both in the tangent space, and
@@ -168,18 +169,25 @@ impl<S: Scalar> Interpreter<S> {
     pub fn step_semi_implicit_hessian(
         &mut self,
         TimeStepInput { q, qd, tau, dt }: TimeStepInput<'_, S>,
-        costate: &[S],
+        state_cotangent: &[S],
         outputs: StepHessianOutputs<'_, S>,
     ) -> Result<(), ShapeError> {
-        let StepHessianOutputs { q: next_q, qd: next_qd, dx, dtau, dx_dx, dx_dtau, dtau_dtau } =
-            outputs;
+        let StepHessianOutputs {
+            q: next_q,
+            qd: next_qd,
+            grad_x,
+            grad_tau,
+            hess_x_x,
+            hess_x_tau,
+            hess_tau_tau,
+        } = outputs;
         let n = self.model.nv();
-        check("costate", costate, 2 * n)?;
-        check("dx", dx, 2 * n)?;
-        self.check_vectors(&[("dtau", dtau)])?;
-        check("dx_dx", dx_dx, 4 * n * n)?;
-        check("dx_dtau", dx_dtau, 2 * n * n)?;
-        self.check_matrices(&[("dtau_dtau", dtau_dtau)])?;
+        check("state_cotangent", state_cotangent, 2 * n)?;
+        check("grad_x", grad_x, 2 * n)?;
+        self.check_vectors(&[("grad_tau", grad_tau)])?;
+        check("hess_x_x", hess_x_x, 4 * n * n)?;
+        check("hess_x_tau", hess_x_tau, 2 * n * n)?;
+        self.check_matrices(&[("hess_tau_tau", hess_tau_tau)])?;
         self.step_semi_implicit(TimeStepInput { q, qd, tau, dt }, next_q, next_qd)?;
         let model = self.mechanism.map(Tangent::constant);
         let layout = UduLayout::new(&self.mechanism, &ModuleTree::links(&self.model));
@@ -206,12 +214,14 @@ impl<S: Scalar> Interpreter<S> {
             step_semi_implicit_derivatives(&model, &layout, input, workspace, memory, outputs);
             let columns = results[2].chunks(2 * n).chain(results[3].chunks(2 * n));
             for (i, (column, change)) in columns.zip(changes).enumerate() {
-                let sum =
-                    column.iter().zip(costate).fold(Tangent::zero(), |sum, (entry, &weight)| {
+                let sum = column
+                    .iter()
+                    .zip(state_cotangent)
+                    .fold(Tangent::zero(), |sum, (entry, &weight)| {
                         sum + *entry * Tangent::constant(weight)
                     });
                 *change = sum.dx;
-                let gradient = if i < 2 * n { &mut dx[i] } else { &mut dtau[i - 2 * n] };
+                let gradient = if i < 2 * n { &mut grad_x[i] } else { &mut grad_tau[i - 2 * n] };
                 *gradient = sum.x;
             }
         }
@@ -221,15 +231,15 @@ impl<S: Scalar> Interpreter<S> {
         let entry = |i: usize, j: usize| half * (changes[j * 3 * n + i] + changes[i * 3 * n + j]);
         for j in 0..n {
             for i in 0..n {
-                dtau_dtau[j * n + i] = entry(2 * n + i, 2 * n + j);
+                hess_tau_tau[j * n + i] = entry(2 * n + i, 2 * n + j);
             }
         }
         for i in 0..2 * n {
             for j in 0..2 * n {
-                dx_dx[j * 2 * n + i] = entry(i, j);
+                hess_x_x[j * 2 * n + i] = entry(i, j);
             }
             for j in 0..n {
-                dx_dtau[j * 2 * n + i] = entry(i, 2 * n + j);
+                hess_x_tau[j * 2 * n + i] = entry(i, 2 * n + j);
             }
         }
         Ok(())
@@ -241,7 +251,7 @@ impl<S: Scalar> Interpreter<S> {
         &self,
         [q, qd, last]: [&[S]; 3],
         mut derive: impl FnMut(&Mechanism<Tangent<S>>, [&[Tangent<S>]; 3], &mut Gradients<S>),
-        [dq_dq, dq_dqd, dqd_dqd, dq_dlast]: [&mut [S]; 4],
+        [hess_q_q, hess_q_qd, hess_qd_qd, hess_q_last]: [&mut [S]; 4],
     ) {
         let n = self.model.nv();
         let model = self.mechanism.map(Tangent::constant);
@@ -262,16 +272,16 @@ impl<S: Scalar> Interpreter<S> {
             derive(&model, [&moved, &still_qd, &last], &mut by);
             let [by_q, by_qd, by_last] = &by;
             for i in 0..n {
-                dq_dq[j * n + i] = by_q[i].dx;
-                dq_dqd[i * n + j] = by_qd[i].dx;
-                dq_dlast[i * n + j] = by_last[i].dx;
+                hess_q_q[j * n + i] = by_q[i].dx;
+                hess_q_qd[i * n + j] = by_qd[i].dx;
+                hess_q_last[i * n + j] = by_last[i].dx;
             }
             let faster: Vec<_> = qd.iter().zip(&unit).map(|(&x, &dx)| Tangent { x, dx }).collect();
             by.iter_mut().for_each(|gradient| gradient.fill(Tangent::zero()));
             derive(&model, [&still_q, &faster, &last], &mut by);
             let [_, by_qd, _] = &by;
             for i in 0..n {
-                dqd_dqd[j * n + i] = by_qd[i].dx;
+                hess_qd_qd[j * n + i] = by_qd[i].dx;
             }
         }
         // Displacements of one rotation or pose do not commute: the second derivative along a
@@ -279,8 +289,8 @@ impl<S: Scalar> Interpreter<S> {
         let half = S::from_f64(0.5);
         for j in 0..n {
             for i in 0..j {
-                let mean = half * (dq_dq[j * n + i] + dq_dq[i * n + j]);
-                (dq_dq[j * n + i], dq_dq[i * n + j]) = (mean, mean);
+                let mean = half * (hess_q_q[j * n + i] + hess_q_q[i * n + j]);
+                (hess_q_q[j * n + i], hess_q_q[i * n + j]) = (mean, mean);
             }
         }
     }

@@ -127,9 +127,9 @@ impl<S: Scalar> Interpreter<S> {
     ) -> Result<(), ShapeError> {
         let nv = self.model.nv();
         self.check_motion(motion)?;
-        check("momentum_dq", outputs.momentum_dq, nv)?;
-        check("rate_dq", outputs.rate_dq, nv)?;
-        check("rate_dqd", outputs.rate_dqd, nv)?;
+        check("dmomentum_dq", outputs.dmomentum_dq, nv)?;
+        check("drate_dq", outputs.drate_dq, nv)?;
+        check("drate_dqd", outputs.drate_dqd, nv)?;
         centroidal_momentum_derivatives(&self.mechanism, motion, &mut self.workspace, outputs);
         Ok(())
     }

@@ -21,11 +21,16 @@ impl<S: Scalar> Interpreter<S> {
         motion: Motion<'_, S>,
         cotangent: &[S],
         tau: &mut [S],
-        [dq, dqd, dqdd]: [&mut [S]; 3],
+        [grad_q, grad_qd, grad_qdd]: [&mut [S]; 3],
     ) -> Result<(), ShapeError> {
         let by = self.inverse_matrices(motion, tau)?;
-        self.check_vectors(&[("cotangent", cotangent), ("dq", dq), ("dqd", dqd), ("dqdd", dqdd)])?;
-        for (by, out) in by.iter().zip([dq, dqd, dqdd]) {
+        self.check_vectors(&[
+            ("cotangent", cotangent),
+            ("grad_q", grad_q),
+            ("grad_qd", grad_qd),
+            ("grad_qdd", grad_qdd),
+        ])?;
+        for (by, out) in by.iter().zip([grad_q, grad_qd, grad_qdd]) {
             multiply_transposed(by, cotangent, out);
         }
         Ok(())
@@ -40,13 +45,18 @@ impl<S: Scalar> Interpreter<S> {
     pub fn inverse_dynamics_jvp(
         &mut self,
         motion: Motion<'_, S>,
-        [dq, dqd, dqdd]: [&[S]; 3],
+        [tangent_q, tangent_qd, tangent_qdd]: [&[S]; 3],
         tau: &mut [S],
-        dtau: &mut [S],
+        tangent_tau: &mut [S],
     ) -> Result<(), ShapeError> {
         let by = self.inverse_matrices(motion, tau)?;
-        self.check_vectors(&[("dq", dq), ("dqd", dqd), ("dqdd", dqdd), ("dtau", dtau)])?;
-        multiply(&by, [dq, dqd, dqdd], dtau);
+        self.check_vectors(&[
+            ("tangent_q", tangent_q),
+            ("tangent_qd", tangent_qd),
+            ("tangent_qdd", tangent_qdd),
+            ("tangent_tau", tangent_tau),
+        ])?;
+        multiply(&by, [tangent_q, tangent_qd, tangent_qdd], tangent_tau);
         Ok(())
     }
 
@@ -62,11 +72,16 @@ impl<S: Scalar> Interpreter<S> {
         input: ForwardInput<'_, S>,
         cotangent: &[S],
         qdd: &mut [S],
-        [dq, dqd, dtau]: [&mut [S]; 3],
+        [grad_q, grad_qd, grad_tau]: [&mut [S]; 3],
     ) -> Result<(), ShapeError> {
         let by = self.forward_matrices(input, qdd)?;
-        self.check_vectors(&[("cotangent", cotangent), ("dq", dq), ("dqd", dqd), ("dtau", dtau)])?;
-        for (by, out) in by.iter().zip([dq, dqd, dtau]) {
+        self.check_vectors(&[
+            ("cotangent", cotangent),
+            ("grad_q", grad_q),
+            ("grad_qd", grad_qd),
+            ("grad_tau", grad_tau),
+        ])?;
+        for (by, out) in by.iter().zip([grad_q, grad_qd, grad_tau]) {
             multiply_transposed(by, cotangent, out);
         }
         Ok(())
@@ -81,13 +96,18 @@ impl<S: Scalar> Interpreter<S> {
     pub fn forward_dynamics_jvp(
         &mut self,
         input: ForwardInput<'_, S>,
-        [dq, dqd, dtau]: [&[S]; 3],
+        [tangent_q, tangent_qd, tangent_tau]: [&[S]; 3],
         qdd: &mut [S],
-        dqdd: &mut [S],
+        tangent_qdd: &mut [S],
     ) -> Result<(), ShapeError> {
         let by = self.forward_matrices(input, qdd)?;
-        self.check_vectors(&[("dq", dq), ("dqd", dqd), ("dtau", dtau), ("dqdd", dqdd)])?;
-        multiply(&by, [dq, dqd, dtau], dqdd);
+        self.check_vectors(&[
+            ("tangent_q", tangent_q),
+            ("tangent_qd", tangent_qd),
+            ("tangent_tau", tangent_tau),
+            ("tangent_qdd", tangent_qdd),
+        ])?;
+        multiply(&by, [tangent_q, tangent_qd, tangent_tau], tangent_qdd);
         Ok(())
     }
 

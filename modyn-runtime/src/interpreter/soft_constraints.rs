@@ -74,28 +74,28 @@ impl<S: Copy> StateDerivatives<'_, S> {
 /// tangent space, of qd, then the activations of a step under controls.
 pub struct StateGradients<'a, S> {
     /// The weights of the coordinates and the velocities.
-    pub costate: &'a [S],
+    pub state_cotangent: &'a [S],
     /// The weights of the activations; none for a step under joint forces.
-    pub act_costate: &'a [S],
+    pub act_cotangent: &'a [S],
     /// The gradient with respect to the state before the step.
-    pub dx: &'a mut [S],
+    pub grad_x: &'a mut [S],
     /// The gradient with respect to the joint forces or the controls.
-    pub du: &'a mut [S],
+    pub grad_u: &'a mut [S],
 }
 
 impl<S: Scalar> StateGradients<'_, S> {
     /// Checks the lengths for so many velocities, activations and inputs.
     fn check(&self, [nv, activations, inputs]: [usize; 3]) -> Result<(), ShapeError> {
-        check("costate", self.costate, 2 * nv)?;
-        check("act_costate", self.act_costate, activations)?;
-        check("dx", self.dx, 2 * nv + activations)?;
-        check("du", self.du, inputs)
+        check("state_cotangent", self.state_cotangent, 2 * nv)?;
+        check("act_cotangent", self.act_cotangent, activations)?;
+        check("grad_x", self.grad_x, 2 * nv + activations)?;
+        check("grad_u", self.grad_u, inputs)
     }
 
     /// Sets the gradients by the columns of the derivatives.
     fn fill(self, columns: &[Vec<S>]) {
-        let weights = || self.costate.iter().chain(self.act_costate);
-        for (gradient, column) in self.dx.iter_mut().chain(self.du).zip(columns) {
+        let weights = || self.state_cotangent.iter().chain(self.act_cotangent);
+        for (gradient, column) in self.grad_x.iter_mut().chain(self.grad_u).zip(columns) {
             let products = weights().zip(column).map(|(&weight, &entry)| weight * entry);
             *gradient = products.fold(S::zero(), |sum, product| sum + product);
         }
@@ -106,33 +106,35 @@ impl<S: Scalar> StateGradients<'_, S> {
 /// q, in tangent space, of qd, then the activations of a step under controls.
 pub struct StateChange<'a, S> {
     /// The change of the coordinates, in tangent space.
-    pub dq: &'a [S],
+    pub tangent_q: &'a [S],
     /// The change of the velocities.
-    pub dqd: &'a [S],
+    pub tangent_qd: &'a [S],
     /// The change of the activations; none for a step under joint forces.
-    pub dact: &'a [S],
+    pub tangent_act: &'a [S],
     /// The change of the joint forces or the controls.
-    pub du: &'a [S],
+    pub tangent_u: &'a [S],
     /// The change of the state after the step.
-    pub dx: &'a mut [S],
+    pub tangent_x: &'a mut [S],
 }
 
 impl<S: Scalar> StateChange<'_, S> {
     /// Checks the lengths for so many velocities, activations and inputs.
     fn check(&self, [nv, activations, inputs]: [usize; 3]) -> Result<(), ShapeError> {
-        check("dq", self.dq, nv)?;
-        check("dqd", self.dqd, nv)?;
-        check("dact", self.dact, activations)?;
-        check("du", self.du, inputs)?;
-        check("dx", self.dx, 2 * nv + activations)
+        check("tangent_q", self.tangent_q, nv)?;
+        check("tangent_qd", self.tangent_qd, nv)?;
+        check("tangent_act", self.tangent_act, activations)?;
+        check("tangent_u", self.tangent_u, inputs)?;
+        check("tangent_x", self.tangent_x, 2 * nv + activations)
     }
 
     /// Sets the change by the columns of the derivatives.
     fn fill(self, columns: &[Vec<S>]) {
-        self.dx.fill(S::zero());
-        let changes = [self.dq, self.dqd, self.dact, self.du].into_iter().flatten();
+        self.tangent_x.fill(S::zero());
+        let changes = [self.tangent_q, self.tangent_qd, self.tangent_act, self.tangent_u]
+            .into_iter()
+            .flatten();
         for (&change, column) in changes.zip(columns) {
-            for (sum, &entry) in self.dx.iter_mut().zip(column) {
+            for (sum, &entry) in self.tangent_x.iter_mut().zip(column) {
                 *sum = *sum + change * entry;
             }
         }

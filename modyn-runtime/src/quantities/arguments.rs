@@ -114,21 +114,28 @@ pub(super) const Q: Argument = Argument { name: "q", kind: ArgumentKind::Coordin
 pub(super) const QD: Argument = Argument { name: "qd", kind: ArgumentKind::Velocities };
 pub(super) const QDD: Argument = Argument { name: "qdd", kind: ArgumentKind::Velocities };
 pub(super) const TAU: Argument = Argument { name: "tau", kind: ArgumentKind::Velocities };
-pub(super) const DQ: Argument = Argument { name: "dq", kind: ArgumentKind::Velocities };
-pub(super) const DQD: Argument = Argument { name: "dqd", kind: ArgumentKind::Velocities };
-pub(super) const DQDD: Argument = Argument { name: "dqdd", kind: ArgumentKind::Velocities };
-pub(super) const DTAU: Argument = Argument { name: "dtau", kind: ArgumentKind::Velocities };
-pub(super) const DCTRL: Argument = Argument { name: "dctrl", kind: ArgumentKind::Controls };
-pub(super) const DACT: Argument = Argument { name: "dact", kind: ArgumentKind::Activations };
+pub(super) const TANGENT_Q: Argument =
+    Argument { name: "tangent_q", kind: ArgumentKind::Velocities };
+pub(super) const TANGENT_QD: Argument =
+    Argument { name: "tangent_qd", kind: ArgumentKind::Velocities };
+pub(super) const TANGENT_QDD: Argument =
+    Argument { name: "tangent_qdd", kind: ArgumentKind::Velocities };
+pub(super) const TANGENT_TAU: Argument =
+    Argument { name: "tangent_tau", kind: ArgumentKind::Velocities };
+pub(super) const TANGENT_CTRL: Argument =
+    Argument { name: "tangent_ctrl", kind: ArgumentKind::Controls };
+pub(super) const TANGENT_ACT: Argument =
+    Argument { name: "tangent_act", kind: ArgumentKind::Activations };
 pub(super) const COTANGENT: Argument =
     Argument { name: "cotangent", kind: ArgumentKind::Velocities };
 pub(super) const WRENCH_COTANGENT: Argument =
     Argument { name: "wrench_cotangent", kind: ArgumentKind::ConstraintWrenches };
 pub(super) const CTRL: Argument = Argument { name: "ctrl", kind: ArgumentKind::Controls };
 pub(super) const DT: Argument = Argument { name: "dt", kind: ArgumentKind::Time };
-pub(super) const COSTATE: Argument = Argument { name: "costate", kind: ArgumentKind::State };
-pub(super) const ACT_COSTATE: Argument =
-    Argument { name: "act_costate", kind: ArgumentKind::Activations };
+pub(super) const STATE_COTANGENT: Argument =
+    Argument { name: "state_cotangent", kind: ArgumentKind::State };
+pub(super) const ACT_COTANGENT: Argument =
+    Argument { name: "act_cotangent", kind: ArgumentKind::Activations };
 pub(super) const V: Argument = Argument { name: "v", kind: ArgumentKind::Velocities };
 pub(super) const FROM: Argument = Argument { name: "from", kind: ArgumentKind::Coordinates };
 pub(super) const TO: Argument = Argument { name: "to", kind: ArgumentKind::Coordinates };
@@ -152,16 +159,16 @@ pub const ARGUMENTS: &[Argument] = &[
     QD,
     QDD,
     TAU,
-    DQ,
-    DQD,
-    DQDD,
-    DTAU,
+    TANGENT_Q,
+    TANGENT_QD,
+    TANGENT_QDD,
+    TANGENT_TAU,
     COTANGENT,
     WRENCH_COTANGENT,
     CTRL,
-    DCTRL,
+    TANGENT_CTRL,
     DT,
-    COSTATE,
+    STATE_COTANGENT,
     V,
     FROM,
     TO,
@@ -170,8 +177,8 @@ pub const ARGUMENTS: &[Argument] = &[
     CONTACTS,
     SETTINGS,
     ACT,
-    DACT,
-    ACT_COSTATE,
+    TANGENT_ACT,
+    ACT_COTANGENT,
     APPLIED,
     WARM_START,
     STEP_SETTINGS,

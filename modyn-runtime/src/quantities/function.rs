@@ -66,14 +66,14 @@ pub enum Function {
     /// derivatives: the gradients of `cotangent`^T tau with respect to `q` (in tangent space), `qd`
     /// and `qdd`.
     InverseDynamicsVjp,
-    /// Returns the joint forces tau of `qdd`, and their change under the changes `dq` (in tangent
-    /// space), `dqd` and `dqdd`.
+    /// Returns the joint forces tau of `qdd`, and their change under the changes `tangent_q` (in
+    /// tangent space), `tangent_qd` and `tangent_qdd`.
     InverseDynamicsJvp,
     /// Returns the accelerations qdd, and the products of `cotangent` with their derivatives: the
     /// gradients of `cotangent`^T qdd with respect to `q` (in tangent space), `qd` and `tau`.
     ForwardDynamicsVjp,
-    /// Returns the accelerations qdd, and their change under the changes `dq` (in tangent space),
-    /// `dqd` and `dtau`.
+    /// Returns the accelerations qdd, and their change under the changes `tangent_q` (in tangent
+    /// space), `tangent_qd` and `tangent_tau`.
     ForwardDynamicsJvp,
     /// Returns the joint forces tau of `qdd`, and the gradients and the Hessian of `cotangent`^T
     /// tau with respect to `q` (in tangent space), `qd` and `qdd`. The blocks of the Hessian are
@@ -91,10 +91,10 @@ pub enum Function {
     /// columns. A state has the entries of q (in tangent space), then the entries of qd.
     StepSemiImplicitDerivatives,
     /// Returns the state after the time `dt` (s) by the semi-implicit Euler method, and the
-    /// gradients and the Hessian of `costate`^T state: `dx` and `dtau` with respect to the state
-    /// before and `tau`, and `dx_dx`, `dx_dtau` and `dtau_dtau`, arrays of columns. A state has the
-    /// entries of q (in tangent space), then the entries of qd. Displacements of the state after
-    /// the step are in tangent space, too.
+    /// gradients and the Hessian of `state_cotangent`^T state: `grad_x` and `grad_tau` with respect
+    /// to the state before and `tau`, and `hess_x_x`, `hess_x_tau` and `hess_tau_tau`, arrays of
+    /// columns. A state has the entries of q (in tangent space), then the entries of qd.
+    /// Displacements of the state after the step are in tangent space, too.
     StepSemiImplicitHessian,
     /// Returns the state after the time `dt` (s) under the constant joint forces `tau`, by a
     /// Runge-Kutta method of fourth order. Rotations follow exponential maps, so quaternions keep
@@ -161,13 +161,14 @@ pub enum Function {
     /// implicit function theorem at the solution; where a contact opens or closes, or a point
     /// begins to slide, they are one-sided.
     StepDerivatives,
-    /// Returns the results of `step`, and the gradients of `costate`^T state after it with respect
-    /// to the state before, `dx`, and to `tau`. A state has the entries of q (in tangent space),
-    /// then the entries of qd. At kinks they are as in `step_derivatives`.
+    /// Returns the results of `step`, and the gradients of `state_cotangent`^T state after it:
+    /// `grad_x` with respect to the state before, and `grad_tau`. A state has the entries of q (in
+    /// tangent space), then the entries of qd. At kinks they are as in `step_derivatives`.
     StepVjp,
-    /// Returns the results of `step`, and the change `dx` of the state after it under the changes
-    /// `dq` (in tangent space), `dqd` and `dtau`. A state has the entries of q (in tangent space),
-    /// then the entries of qd. At kinks it is as in `step_derivatives`.
+    /// Returns the results of `step`, and the change `tangent_x` of the state after it under the
+    /// changes `tangent_q` (in tangent space), `tangent_qd` and `tangent_tau`. A state has the
+    /// entries of q (in tangent space), then the entries of qd. At kinks it is as in
+    /// `step_derivatives`.
     StepJvp,
     /// Returns the joint forces `tau` of the actuators under the controls `ctrl`, in the order of
     /// `CONTROL_NAMES`, and the activations after the time `dt` (s), in the order of
@@ -184,15 +185,15 @@ pub enum Function {
     /// the entries of q (in tangent space), the entries of qd, then `act`. All else is as in
     /// `step_derivatives`.
     StepActuatedDerivatives,
-    /// Returns the results of `step_actuated`, and the gradients of `costate`^T state +
-    /// `act_costate`^T act after it with respect to the state before, `dx`, and to `ctrl`. The
-    /// state `dx` has the entries of q (in tangent space), the entries of qd, then `act`. At kinks
-    /// they are as in `step_derivatives`.
+    /// Returns the results of `step_actuated`, and the gradients of `state_cotangent`^T state +
+    /// `act_cotangent`^T act after it: `grad_x` with respect to the state before, and `grad_ctrl`.
+    /// The state of `grad_x` has the entries of q (in tangent space), the entries of qd, then
+    /// `act`. At kinks they are as in `step_derivatives`.
     StepActuatedVjp,
-    /// Returns the results of `step_actuated`, and the change `dx` of the state after it under the
-    /// changes `dq` (in tangent space), `dqd`, `dctrl` and `dact`. The state `dx` has the entries
-    /// of q (in tangent space), the entries of qd, then `act`. At kinks it is as in
-    /// `step_derivatives`.
+    /// Returns the results of `step_actuated`, and the change `tangent_x` of the state after it
+    /// under the changes `tangent_q` (in tangent space), `tangent_qd`, `tangent_ctrl` and
+    /// `tangent_act`. The state of `tangent_x` has the entries of q (in tangent space), the entries
+    /// of qd, then `act`. At kinks it is as in `step_derivatives`.
     StepActuatedJvp,
     /// Returns the joint forces of the accelerations `qdd`, the wrenches of the active contacts
     /// that carry the floating bases, and the rank of the contacts' columns of the bases. The

@@ -69,11 +69,14 @@ pub fn factors(s: &Sizes) -> Shape {
 }
 
 pub fn inverse_derivatives(s: &Sizes) -> Shape {
-    named_fields("InverseDynamicsDerivatives", vec![("dq", square(s)), ("dqd", square(s))])
+    named_fields(
+        "InverseDynamicsDerivatives",
+        vec![("dtau_dq", square(s)), ("dtau_dqd", square(s))],
+    )
 }
 
 pub fn forward_derivatives(s: &Sizes) -> Shape {
-    let matrices = ["dq", "dqd", "dtau"].map(|name| (name, square(s)));
+    let matrices = ["dqdd_dq", "dqdd_dqd", "dqdd_dtau"].map(|name| (name, square(s)));
     named_fields(
         "ForwardDynamicsDerivatives",
         [vec![("qdd", velocities(s))], matrices.into()].concat(),
@@ -81,52 +84,52 @@ pub fn forward_derivatives(s: &Sizes) -> Shape {
 }
 
 pub fn generalized_forces(s: &Sizes) -> Shape {
-    named_fields("GeneralizedForces", vec![("tau", velocities(s)), ("dq", square(s))])
+    named_fields("GeneralizedForces", vec![("tau", velocities(s)), ("dtau_dq", square(s))])
 }
 
 pub fn centroidal_derivatives(s: &Sizes) -> Shape {
     let fields = vec![
         ("momentum", momentum(s)),
         ("rate", momentum(s)),
-        ("momentum_dq", momenta(s)),
-        ("rate_dq", momenta(s)),
-        ("rate_dqd", momenta(s)),
+        ("dmomentum_dq", momenta(s)),
+        ("drate_dq", momenta(s)),
+        ("drate_dqd", momenta(s)),
     ];
     named_fields("CentroidalMomentumDerivatives", fields)
 }
 
 pub fn integrate_derivatives(s: &Sizes) -> Shape {
-    named_fields("IntegrateDerivatives", vec![("dq", square(s)), ("dv", square(s))])
+    named_fields("IntegrateDerivatives", vec![("dq_dq", square(s)), ("dq_dv", square(s))])
 }
 
 pub fn difference_derivatives(s: &Sizes) -> Shape {
-    named_fields("DifferenceDerivatives", vec![("dfrom", square(s)), ("dto", square(s))])
+    named_fields("DifferenceDerivatives", vec![("dv_dfrom", square(s)), ("dv_dto", square(s))])
 }
 
 pub fn inverse_vjp(s: &Sizes) -> Shape {
-    vectors("InverseDynamicsVjp", &["tau", "dq", "dqd", "dqdd"], s)
+    vectors("InverseDynamicsVjp", &["tau", "grad_q", "grad_qd", "grad_qdd"], s)
 }
 
 pub fn inverse_jvp(s: &Sizes) -> Shape {
-    vectors("InverseDynamicsJvp", &["tau", "dtau"], s)
+    vectors("InverseDynamicsJvp", &["tau", "tangent_tau"], s)
 }
 
 pub fn forward_vjp(s: &Sizes) -> Shape {
-    vectors("ForwardDynamicsVjp", &["qdd", "dq", "dqd", "dtau"], s)
+    vectors("ForwardDynamicsVjp", &["qdd", "grad_q", "grad_qd", "grad_tau"], s)
 }
 
 pub fn forward_jvp(s: &Sizes) -> Shape {
-    vectors("ForwardDynamicsJvp", &["qdd", "dqdd"], s)
+    vectors("ForwardDynamicsJvp", &["qdd", "tangent_qdd"], s)
 }
 
 pub fn inverse_hessian(s: &Sizes) -> Shape {
-    let matrices = ["dq_dq", "dq_dqd", "dqd_dqd", "dq_dqdd"];
-    hessian("InverseDynamicsHessian", &["tau", "dq", "dqd", "dqdd"], &matrices, s)
+    let matrices = ["hess_q_q", "hess_q_qd", "hess_qd_qd", "hess_q_qdd"];
+    hessian("InverseDynamicsHessian", &["tau", "grad_q", "grad_qd", "grad_qdd"], &matrices, s)
 }
 
 pub fn forward_hessian(s: &Sizes) -> Shape {
-    let matrices = ["dq_dq", "dq_dqd", "dqd_dqd", "dq_dtau"];
-    hessian("ForwardDynamicsHessian", &["qdd", "dq", "dqd", "dtau"], &matrices, s)
+    let matrices = ["hess_q_q", "hess_q_qd", "hess_qd_qd", "hess_q_tau"];
+    hessian("ForwardDynamicsHessian", &["qdd", "grad_q", "grad_qd", "grad_tau"], &matrices, s)
 }
 
 pub fn step(s: &Sizes) -> Shape {
@@ -146,11 +149,11 @@ pub fn step_hessian(s: &Sizes) -> Shape {
     let fields = vec![
         ("q", coordinates(s)),
         ("qd", velocities(s)),
-        ("dx", state(s)),
-        ("dtau", velocities(s)),
-        ("dx_dx", Shape::matrix(2 * s.nv, 2 * s.nv)),
-        ("dx_dtau", Shape::matrix(s.nv, 2 * s.nv)),
-        ("dtau_dtau", square(s)),
+        ("grad_x", state(s)),
+        ("grad_tau", velocities(s)),
+        ("hess_x_x", Shape::matrix(2 * s.nv, 2 * s.nv)),
+        ("hess_x_tau", Shape::matrix(s.nv, 2 * s.nv)),
+        ("hess_tau_tau", square(s)),
     ];
     Shape::Record(Record::ResultsByField("StepHessian"), fields)
 }
@@ -171,9 +174,9 @@ pub fn constraint_residual(s: &Sizes) -> Shape {
 }
 
 pub fn constrained_derivatives(s: &Sizes) -> Shape {
-    let matrices = ["dq", "dqd", "dtau"].map(|name| (name, square(s)));
+    let matrices = ["dqdd_dq", "dqdd_dqd", "dqdd_dtau"].map(|name| (name, square(s)));
     let change = || Shape::wrench().columns(s.nv).array(s.constraints);
-    let changes = ["wrenches_dq", "wrenches_dqd", "wrenches_dtau"].map(|name| (name, change()));
+    let changes = ["dwrenches_dq", "dwrenches_dqd", "dwrenches_dtau"].map(|name| (name, change()));
     let first = [("qdd", velocities(s)), ("wrenches", constraint_wrenches(s))];
     let fields = [&first[..], &matrices, &changes, &[("rank", Shape::Scalar)]].concat();
     named_fields("ConstrainedForwardDynamicsDerivatives", fields)
@@ -181,8 +184,9 @@ pub fn constrained_derivatives(s: &Sizes) -> Shape {
 
 pub fn constrained_hessian(s: &Sizes) -> Shape {
     let first = [("qdd", velocities(s)), ("wrenches", constraint_wrenches(s))];
-    let vectors = ["dq", "dqd", "dtau"].map(|name| (name, velocities(s)));
-    let matrices = ["dq_dq", "dq_dqd", "dqd_dqd", "dq_dtau"].map(|name| (name, square(s)));
+    let vectors = ["grad_q", "grad_qd", "grad_tau"].map(|name| (name, velocities(s)));
+    let matrices =
+        ["hess_q_q", "hess_q_qd", "hess_qd_qd", "hess_q_tau"].map(|name| (name, square(s)));
     let fields = [&first[..], &vectors, &matrices, &[("rank", Shape::Scalar)]].concat();
     named_fields("ConstrainedForwardDynamicsHessian", fields)
 }
@@ -220,11 +224,11 @@ pub fn linearized_step(s: &Sizes) -> Shape {
 }
 
 pub fn step_vjp(s: &Sizes) -> Shape {
-    solved("StepVjp", &solved_state(s), &[("dx", state(s)), ("dtau", velocities(s))])
+    solved("StepVjp", &solved_state(s), &[("grad_x", state(s)), ("grad_tau", velocities(s))])
 }
 
 pub fn step_jvp(s: &Sizes) -> Shape {
-    solved("StepJvp", &solved_state(s), &[("dx", state(s))])
+    solved("StepJvp", &solved_state(s), &[("tangent_x", state(s))])
 }
 
 pub fn actuated_step(s: &Sizes) -> Shape {
@@ -238,12 +242,12 @@ pub fn linearized_actuated_step(s: &Sizes) -> Shape {
 }
 
 pub fn actuated_step_vjp(s: &Sizes) -> Shape {
-    let gradients = [("dx", actuated_state(s)), ("dctrl", controls(s))];
+    let gradients = [("grad_x", actuated_state(s)), ("grad_ctrl", controls(s))];
     solved("ActuatedStepVjp", &solved_actuated_state(s), &gradients)
 }
 
 pub fn actuated_step_jvp(s: &Sizes) -> Shape {
-    solved("ActuatedStepJvp", &solved_actuated_state(s), &[("dx", actuated_state(s))])
+    solved("ActuatedStepJvp", &solved_actuated_state(s), &[("tangent_x", actuated_state(s))])
 }
 
 pub fn actuator_forces(s: &Sizes) -> Shape {
@@ -272,7 +276,8 @@ pub fn operational_space_inertia(s: &Sizes) -> Shape {
 }
 
 pub fn constraint_projection(s: &Sizes) -> Shape {
-    let fields = vec![("dq", velocities(s)), ("dqd", velocities(s)), ("rank", Shape::Scalar)];
+    let fields =
+        vec![("step_q", velocities(s)), ("step_qd", velocities(s)), ("rank", Shape::Scalar)];
     named_fields("ConstraintProjection", fields)
 }
 

@@ -9,9 +9,9 @@
 //! methods of the Python package, and the list of functions for tests.
 
 use super::arguments::{
-    ACT, ACT_COSTATE, APPLIED, CONTACTS, COSTATE, COTANGENT, CTRL, DACT, DCTRL, DQ, DQD, DQDD, DT,
-    DTAU, FORCES, FROM, Q, QD, QDD, SETTINGS, STEP_SETTINGS, TAU, TO, UNIFORMS, V, WARM_START,
-    WRENCH_COTANGENT,
+    ACT, ACT_COTANGENT, APPLIED, CONTACTS, COTANGENT, CTRL, DT, FORCES, FROM, Q, QD, QDD, SETTINGS,
+    STATE_COTANGENT, STEP_SETTINGS, TANGENT_ACT, TANGENT_CTRL, TANGENT_Q, TANGENT_QD, TANGENT_QDD,
+    TANGENT_TAU, TAU, TO, UNIFORMS, V, WARM_START, WRENCH_COTANGENT,
 };
 use super::function::Function;
 use super::row::Row;
@@ -250,10 +250,10 @@ pub const ROWS: &[Row] = &[
     Row {
         function: Function::InverseDynamicsJvp,
         name: "inverse_dynamics_jvp",
-        arguments: &[Q, QD, QDD, DQ, DQD, DQDD],
+        arguments: &[Q, QD, QDD, TANGENT_Q, TANGENT_QD, TANGENT_QDD],
         result: shapes::inverse_jvp,
-        docs: "Returns the joint forces tau of `qdd`, and their change under the changes `dq` (in \
-            tangent space), `dqd` and `dqdd`.",
+        docs: "Returns the joint forces tau of `qdd`, and their change under the changes \
+            `tangent_q` (in tangent space), `tangent_qd` and `tangent_qdd`.",
         ..Row::INERTIAL
     },
     Row {
@@ -269,10 +269,10 @@ pub const ROWS: &[Row] = &[
     Row {
         function: Function::ForwardDynamicsJvp,
         name: "forward_dynamics_jvp",
-        arguments: &[Q, QD, TAU, DQ, DQD, DTAU],
+        arguments: &[Q, QD, TAU, TANGENT_Q, TANGENT_QD, TANGENT_TAU],
         result: shapes::forward_jvp,
-        docs: "Returns the accelerations qdd, and their change under the changes `dq` (in tangent \
-            space), `dqd` and `dtau`.",
+        docs: "Returns the accelerations qdd, and their change under the changes `tangent_q` (in \
+            tangent space), `tangent_qd` and `tangent_tau`.",
         ..Row::INERTIAL
     },
     Row {
@@ -323,13 +323,14 @@ pub const ROWS: &[Row] = &[
     Row {
         function: Function::StepSemiImplicitHessian,
         name: "step_semi_implicit_hessian",
-        arguments: &[Q, QD, TAU, DT, COSTATE],
+        arguments: &[Q, QD, TAU, DT, STATE_COTANGENT],
         result: shapes::step_hessian,
         docs: "Returns the state after the time `dt` (s) by the semi-implicit Euler method, and \
-            the gradients and the Hessian of `costate`^T state: `dx` and `dtau` with respect to \
-            the state before and `tau`, and `dx_dx`, `dx_dtau` and `dtau_dtau`, arrays of columns. \
-            A state has the entries of q (in tangent space), then the entries of qd. Displacements \
-            of the state after the step are in tangent space, too.",
+            the gradients and the Hessian of `state_cotangent`^T state: `grad_x` and `grad_tau` \
+            with respect to the state before and `tau`, and `hess_x_x`, `hess_x_tau` and \
+            `hess_tau_tau`, arrays of columns. A state has the entries of q (in tangent space), \
+            then the entries of qd. Displacements of the state after the step are in tangent space, \
+            too.",
         ..Row::INERTIAL
     },
     Row {
@@ -496,11 +497,12 @@ pub const ROWS: &[Row] = &[
         function: Function::StepVjp,
         name: "step_vjp",
         known_as: &["reverse-mode differentiation", "adjoint"],
-        arguments: &[Q, QD, TAU, DT, COSTATE, WARM_START, STEP_SETTINGS],
+        arguments: &[Q, QD, TAU, DT, STATE_COTANGENT, WARM_START, STEP_SETTINGS],
         result: shapes::step_vjp,
-        docs: "Returns the results of `step`, and the gradients of `costate`^T state after it with \
-            respect to the state before, `dx`, and to `tau`. A state has the entries of q (in \
-            tangent space), then the entries of qd. At kinks they are as in `step_derivatives`.",
+        docs: "Returns the results of `step`, and the gradients of `state_cotangent`^T state after \
+            it: `grad_x` with respect to the state before, and `grad_tau`. A state has the entries \
+            of q (in tangent space), then the entries of qd. At kinks they are as in \
+            `step_derivatives`.",
         has_solver: true,
         derivatives_of: Some(Function::Step),
         ..Row::INERTIAL
@@ -509,11 +511,12 @@ pub const ROWS: &[Row] = &[
         function: Function::StepJvp,
         name: "step_jvp",
         known_as: &["forward-mode differentiation"],
-        arguments: &[Q, QD, TAU, DQ, DQD, DTAU, DT, WARM_START, STEP_SETTINGS],
+        arguments: &[Q, QD, TAU, TANGENT_Q, TANGENT_QD, TANGENT_TAU, DT, WARM_START, STEP_SETTINGS],
         result: shapes::step_jvp,
-        docs: "Returns the results of `step`, and the change `dx` of the state after it under the \
-            changes `dq` (in tangent space), `dqd` and `dtau`. A state has the entries of q (in \
-            tangent space), then the entries of qd. At kinks it is as in `step_derivatives`.",
+        docs: "Returns the results of `step`, and the change `tangent_x` of the state after it \
+            under the changes `tangent_q` (in tangent space), `tangent_qd` and `tangent_tau`. A \
+            state has the entries of q (in tangent space), then the entries of qd. At kinks it is \
+            as in `step_derivatives`.",
         has_solver: true,
         derivatives_of: Some(Function::Step),
         ..Row::INERTIAL
@@ -572,18 +575,18 @@ pub const ROWS: &[Row] = &[
             QD,
             CTRL,
             DT,
-            COSTATE,
+            STATE_COTANGENT,
             ACT,
-            ACT_COSTATE,
+            ACT_COTANGENT,
             APPLIED,
             WARM_START,
             STEP_SETTINGS,
         ],
         result: shapes::actuated_step_vjp,
-        docs: "Returns the results of `step_actuated`, and the gradients of `costate`^T state + \
-            `act_costate`^T act after it with respect to the state before, `dx`, and to `ctrl`. \
-            The state `dx` has the entries of q (in tangent space), the entries of qd, then `act`. \
-            At kinks they are as in `step_derivatives`.",
+        docs: "Returns the results of `step_actuated`, and the gradients of `state_cotangent`^T \
+            state + `act_cotangent`^T act after it: `grad_x` with respect to the state before, and \
+            `grad_ctrl`. The state of `grad_x` has the entries of q (in tangent space), the \
+            entries of qd, then `act`. At kinks they are as in `step_derivatives`.",
         of_actuators: true,
         has_solver: true,
         derivatives_of: Some(Function::StepActuated),
@@ -596,22 +599,22 @@ pub const ROWS: &[Row] = &[
         arguments: &[
             Q,
             QD,
-            DQ,
-            DQD,
+            TANGENT_Q,
+            TANGENT_QD,
             CTRL,
-            DCTRL,
+            TANGENT_CTRL,
             DT,
             ACT,
-            DACT,
+            TANGENT_ACT,
             APPLIED,
             WARM_START,
             STEP_SETTINGS,
         ],
         result: shapes::actuated_step_jvp,
-        docs: "Returns the results of `step_actuated`, and the change `dx` of the state after it \
-            under the changes `dq` (in tangent space), `dqd`, `dctrl` and `dact`. The state `dx` \
-            has the entries of q (in tangent space), the entries of qd, then `act`. At kinks it is \
-            as in `step_derivatives`.",
+        docs: "Returns the results of `step_actuated`, and the change `tangent_x` of the state after \
+            it under the changes `tangent_q` (in tangent space), `tangent_qd`, `tangent_ctrl` and \
+            `tangent_act`. The state of `tangent_x` has the entries of q (in tangent space), the \
+            entries of qd, then `act`. At kinks it is as in `step_derivatives`.",
         of_actuators: true,
         has_solver: true,
         derivatives_of: Some(Function::StepActuated),

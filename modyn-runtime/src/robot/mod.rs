@@ -617,16 +617,16 @@ pub trait Robot {
         Self::inverse_dynamics_vjp_with(&Self::Params::<T>::default(), q, qd, qdd, cotangent)
     }
 
-    /// Returns the joint forces tau of `qdd`, and their change under the changes `dq` (in tangent
-    /// space), `dqd` and `dqdd`.
+    /// Returns the joint forces tau of `qdd`, and their change under the changes `tangent_q` (in
+    /// tangent space), `tangent_qd` and `tangent_qdd`.
     fn inverse_dynamics_jvp_with<T: Scalar>(
         params: &Self::Params<T>,
         q: &Self::Q<T>,
         qd: &Self::V<T>,
         qdd: &Self::V<T>,
-        dq: &Self::V<T>,
-        dqd: &Self::V<T>,
-        dqdd: &Self::V<T>,
+        tangent_q: &Self::V<T>,
+        tangent_qd: &Self::V<T>,
+        tangent_qdd: &Self::V<T>,
     ) -> InverseDynamicsJvp<Self::V<T>>
     where
         Self: functions::InverseDynamicsJvp,
@@ -640,14 +640,22 @@ pub trait Robot {
         q: &Self::Q<T>,
         qd: &Self::V<T>,
         qdd: &Self::V<T>,
-        dq: &Self::V<T>,
-        dqd: &Self::V<T>,
-        dqdd: &Self::V<T>,
+        tangent_q: &Self::V<T>,
+        tangent_qd: &Self::V<T>,
+        tangent_qdd: &Self::V<T>,
     ) -> InverseDynamicsJvp<Self::V<T>>
     where
         Self: functions::InverseDynamicsJvp,
     {
-        Self::inverse_dynamics_jvp_with(&Self::Params::<T>::default(), q, qd, qdd, dq, dqd, dqdd)
+        Self::inverse_dynamics_jvp_with(
+            &Self::Params::<T>::default(),
+            q,
+            qd,
+            qdd,
+            tangent_q,
+            tangent_qd,
+            tangent_qdd,
+        )
     }
 
     /// Returns the accelerations qdd, and the products of `cotangent` with their derivatives: the
@@ -679,16 +687,16 @@ pub trait Robot {
         Self::forward_dynamics_vjp_with(&Self::Params::<T>::default(), q, qd, tau, cotangent)
     }
 
-    /// Returns the accelerations qdd, and their change under the changes `dq` (in tangent space),
-    /// `dqd` and `dtau`.
+    /// Returns the accelerations qdd, and their change under the changes `tangent_q` (in tangent
+    /// space), `tangent_qd` and `tangent_tau`.
     fn forward_dynamics_jvp_with<T: Scalar>(
         params: &Self::Params<T>,
         q: &Self::Q<T>,
         qd: &Self::V<T>,
         tau: &Self::V<T>,
-        dq: &Self::V<T>,
-        dqd: &Self::V<T>,
-        dtau: &Self::V<T>,
+        tangent_q: &Self::V<T>,
+        tangent_qd: &Self::V<T>,
+        tangent_tau: &Self::V<T>,
     ) -> ForwardDynamicsJvp<Self::V<T>>
     where
         Self: functions::ForwardDynamicsJvp,
@@ -702,14 +710,22 @@ pub trait Robot {
         q: &Self::Q<T>,
         qd: &Self::V<T>,
         tau: &Self::V<T>,
-        dq: &Self::V<T>,
-        dqd: &Self::V<T>,
-        dtau: &Self::V<T>,
+        tangent_q: &Self::V<T>,
+        tangent_qd: &Self::V<T>,
+        tangent_tau: &Self::V<T>,
     ) -> ForwardDynamicsJvp<Self::V<T>>
     where
         Self: functions::ForwardDynamicsJvp,
     {
-        Self::forward_dynamics_jvp_with(&Self::Params::<T>::default(), q, qd, tau, dq, dqd, dtau)
+        Self::forward_dynamics_jvp_with(
+            &Self::Params::<T>::default(),
+            q,
+            qd,
+            tau,
+            tangent_q,
+            tangent_qd,
+            tangent_tau,
+        )
     }
 
     /// Returns the joint forces tau of `qdd`, and the gradients and the Hessian of `cotangent`^T
@@ -842,17 +858,17 @@ pub trait Robot {
     }
 
     /// Returns the state after the time `dt` (s) by the semi-implicit Euler method, and the
-    /// gradients and the Hessian of `costate`^T state: `dx` and `dtau` with respect to the state
-    /// before and `tau`, and `dx_dx`, `dx_dtau` and `dtau_dtau`, arrays of columns. A state has the
-    /// entries of q (in tangent space), then the entries of qd. Displacements of the state after
-    /// the step are in tangent space, too.
+    /// gradients and the Hessian of `state_cotangent`^T state: `grad_x` and `grad_tau` with respect
+    /// to the state before and `tau`, and `hess_x_x`, `hess_x_tau` and `hess_tau_tau`, arrays of
+    /// columns. A state has the entries of q (in tangent space), then the entries of qd.
+    /// Displacements of the state after the step are in tangent space, too.
     fn step_semi_implicit_hessian_with<T: Scalar>(
         params: &Self::Params<T>,
         q: &Self::Q<T>,
         qd: &Self::V<T>,
         tau: &Self::V<T>,
         dt: T,
-        costate: &Self::PerState<T>,
+        state_cotangent: &Self::PerState<T>,
     ) -> StepHessian<
         Self::Q<T>,
         Self::V<T>,
@@ -875,7 +891,7 @@ pub trait Robot {
         qd: &Self::V<T>,
         tau: &Self::V<T>,
         dt: T,
-        costate: &Self::PerState<T>,
+        state_cotangent: &Self::PerState<T>,
     ) -> StepHessian<
         Self::Q<T>,
         Self::V<T>,
@@ -894,7 +910,7 @@ pub trait Robot {
             qd,
             tau,
             dt,
-            costate,
+            state_cotangent,
         )
     }
 
@@ -1383,9 +1399,9 @@ pub trait Robot {
         )
     }
 
-    /// Returns the results of `step`, and the gradients of `costate`^T state after it with respect
-    /// to the state before, `dx`, and to `tau`. A state has the entries of q (in tangent space),
-    /// then the entries of qd. At kinks they are as in `step_derivatives`.
+    /// Returns the results of `step`, and the gradients of `state_cotangent`^T state after it:
+    /// `grad_x` with respect to the state before, and `grad_tau`. A state has the entries of q (in
+    /// tangent space), then the entries of qd. At kinks they are as in `step_derivatives`.
     #[doc(alias = "reverse-mode differentiation")]
     #[doc(alias = "adjoint")]
     fn step_vjp_with<T: Scalar>(
@@ -1394,7 +1410,7 @@ pub trait Robot {
         qd: &Self::V<T>,
         tau: &Self::V<T>,
         dt: T,
-        costate: &Self::PerState<T>,
+        state_cotangent: &Self::PerState<T>,
         warm_start: &Self::V<T>,
         step_settings: &StepSettings<T, Self::PerTouchingShape<ContactSurface<T>>>,
     ) -> StepVjp<
@@ -1421,7 +1437,7 @@ pub trait Robot {
         qd: &Self::V<T>,
         tau: &Self::V<T>,
         dt: T,
-        costate: &Self::PerState<T>,
+        state_cotangent: &Self::PerState<T>,
         warm_start: &Self::V<T>,
         step_settings: &StepSettings<T, Self::PerTouchingShape<ContactSurface<T>>>,
     ) -> StepVjp<
@@ -1443,24 +1459,25 @@ pub trait Robot {
             qd,
             tau,
             dt,
-            costate,
+            state_cotangent,
             warm_start,
             step_settings,
         )
     }
 
-    /// Returns the results of `step`, and the change `dx` of the state after it under the changes
-    /// `dq` (in tangent space), `dqd` and `dtau`. A state has the entries of q (in tangent space),
-    /// then the entries of qd. At kinks it is as in `step_derivatives`.
+    /// Returns the results of `step`, and the change `tangent_x` of the state after it under the
+    /// changes `tangent_q` (in tangent space), `tangent_qd` and `tangent_tau`. A state has the
+    /// entries of q (in tangent space), then the entries of qd. At kinks it is as in
+    /// `step_derivatives`.
     #[doc(alias = "forward-mode differentiation")]
     fn step_jvp_with<T: Scalar>(
         params: &Self::Params<T>,
         q: &Self::Q<T>,
         qd: &Self::V<T>,
         tau: &Self::V<T>,
-        dq: &Self::V<T>,
-        dqd: &Self::V<T>,
-        dtau: &Self::V<T>,
+        tangent_q: &Self::V<T>,
+        tangent_qd: &Self::V<T>,
+        tangent_tau: &Self::V<T>,
         dt: T,
         warm_start: &Self::V<T>,
         step_settings: &StepSettings<T, Self::PerTouchingShape<ContactSurface<T>>>,
@@ -1485,9 +1502,9 @@ pub trait Robot {
         q: &Self::Q<T>,
         qd: &Self::V<T>,
         tau: &Self::V<T>,
-        dq: &Self::V<T>,
-        dqd: &Self::V<T>,
-        dtau: &Self::V<T>,
+        tangent_q: &Self::V<T>,
+        tangent_qd: &Self::V<T>,
+        tangent_tau: &Self::V<T>,
         dt: T,
         warm_start: &Self::V<T>,
         step_settings: &StepSettings<T, Self::PerTouchingShape<ContactSurface<T>>>,
@@ -1508,9 +1525,9 @@ pub trait Robot {
             q,
             qd,
             tau,
-            dq,
-            dqd,
-            dtau,
+            tangent_q,
+            tangent_qd,
+            tangent_tau,
             dt,
             warm_start,
             step_settings,
@@ -1674,10 +1691,10 @@ pub trait Robot {
         )
     }
 
-    /// Returns the results of `step_actuated`, and the gradients of `costate`^T state +
-    /// `act_costate`^T act after it with respect to the state before, `dx`, and to `ctrl`. The
-    /// state `dx` has the entries of q (in tangent space), the entries of qd, then `act`. At kinks
-    /// they are as in `step_derivatives`.
+    /// Returns the results of `step_actuated`, and the gradients of `state_cotangent`^T state +
+    /// `act_cotangent`^T act after it: `grad_x` with respect to the state before, and `grad_ctrl`.
+    /// The state of `grad_x` has the entries of q (in tangent space), the entries of qd, then
+    /// `act`. At kinks they are as in `step_derivatives`.
     #[doc(alias = "reverse-mode differentiation")]
     #[doc(alias = "adjoint")]
     fn step_actuated_vjp_with<T: Scalar>(
@@ -1686,9 +1703,9 @@ pub trait Robot {
         qd: &Self::V<T>,
         ctrl: &Self::PerControl<T>,
         dt: T,
-        costate: &Self::PerState<T>,
+        state_cotangent: &Self::PerState<T>,
         act: &Self::PerActivation<T>,
-        act_costate: &Self::PerActivation<T>,
+        act_cotangent: &Self::PerActivation<T>,
         applied: &Self::V<T>,
         warm_start: &Self::V<T>,
         step_settings: &StepSettings<T, Self::PerTouchingShape<ContactSurface<T>>>,
@@ -1717,9 +1734,9 @@ pub trait Robot {
         qd: &Self::V<T>,
         ctrl: &Self::PerControl<T>,
         dt: T,
-        costate: &Self::PerState<T>,
+        state_cotangent: &Self::PerState<T>,
         act: &Self::PerActivation<T>,
-        act_costate: &Self::PerActivation<T>,
+        act_cotangent: &Self::PerActivation<T>,
         applied: &Self::V<T>,
         warm_start: &Self::V<T>,
         step_settings: &StepSettings<T, Self::PerTouchingShape<ContactSurface<T>>>,
@@ -1743,31 +1760,31 @@ pub trait Robot {
             qd,
             ctrl,
             dt,
-            costate,
+            state_cotangent,
             act,
-            act_costate,
+            act_cotangent,
             applied,
             warm_start,
             step_settings,
         )
     }
 
-    /// Returns the results of `step_actuated`, and the change `dx` of the state after it under the
-    /// changes `dq` (in tangent space), `dqd`, `dctrl` and `dact`. The state `dx` has the entries
-    /// of q (in tangent space), the entries of qd, then `act`. At kinks it is as in
-    /// `step_derivatives`.
+    /// Returns the results of `step_actuated`, and the change `tangent_x` of the state after it
+    /// under the changes `tangent_q` (in tangent space), `tangent_qd`, `tangent_ctrl` and
+    /// `tangent_act`. The state of `tangent_x` has the entries of q (in tangent space), the entries
+    /// of qd, then `act`. At kinks it is as in `step_derivatives`.
     #[doc(alias = "forward-mode differentiation")]
     fn step_actuated_jvp_with<T: Scalar>(
         params: &Self::Params<T>,
         q: &Self::Q<T>,
         qd: &Self::V<T>,
-        dq: &Self::V<T>,
-        dqd: &Self::V<T>,
+        tangent_q: &Self::V<T>,
+        tangent_qd: &Self::V<T>,
         ctrl: &Self::PerControl<T>,
-        dctrl: &Self::PerControl<T>,
+        tangent_ctrl: &Self::PerControl<T>,
         dt: T,
         act: &Self::PerActivation<T>,
-        dact: &Self::PerActivation<T>,
+        tangent_act: &Self::PerActivation<T>,
         applied: &Self::V<T>,
         warm_start: &Self::V<T>,
         step_settings: &StepSettings<T, Self::PerTouchingShape<ContactSurface<T>>>,
@@ -1792,13 +1809,13 @@ pub trait Robot {
     fn step_actuated_jvp<T: Scalar>(
         q: &Self::Q<T>,
         qd: &Self::V<T>,
-        dq: &Self::V<T>,
-        dqd: &Self::V<T>,
+        tangent_q: &Self::V<T>,
+        tangent_qd: &Self::V<T>,
         ctrl: &Self::PerControl<T>,
-        dctrl: &Self::PerControl<T>,
+        tangent_ctrl: &Self::PerControl<T>,
         dt: T,
         act: &Self::PerActivation<T>,
-        dact: &Self::PerActivation<T>,
+        tangent_act: &Self::PerActivation<T>,
         applied: &Self::V<T>,
         warm_start: &Self::V<T>,
         step_settings: &StepSettings<T, Self::PerTouchingShape<ContactSurface<T>>>,
@@ -1819,13 +1836,13 @@ pub trait Robot {
             &Self::Params::<T>::default(),
             q,
             qd,
-            dq,
-            dqd,
+            tangent_q,
+            tangent_qd,
             ctrl,
-            dctrl,
+            tangent_ctrl,
             dt,
             act,
-            dact,
+            tangent_act,
             applied,
             warm_start,
             step_settings,

@@ -254,27 +254,27 @@ macro_rules! several {
                     let (q, qd, x) = plains(i);
                     <Name as Robot>::inverse_dynamics_derivatives(&q, &qd, &x)
                 };
-                let dq: Vec<_> = (0..states).map(|i| unwrap(one(i).dq)).collect();
-                let dqd: Vec<_> = (0..states).map(|i| unwrap(one(i).dqd)).collect();
+                let dq: Vec<_> = (0..states).map(|i| unwrap(one(i).dtau_dq)).collect();
+                let dqd: Vec<_> = (0..states).map(|i| unwrap(one(i).dtau_dqd)).collect();
                 let mut found = [matrix(), matrix()];
                 let [a, b] = found.each_mut().map(|m| m.each_mut().map(slices_mut));
                 Name::inverse_dynamics_derivatives_batch(qs, qds, xs, a, b).expect("sizes");
                 compare("d tau / dq", matrices(&found[0], states), dq.clone());
                 compare("d tau / dqd", matrices(&found[1], states), dqd.clone());
-                let empty = modyn::InverseDynamicsDerivatives { dq: ZERO, dqd: ZERO };
+                let empty = modyn::InverseDynamicsDerivatives { dtau_dq: ZERO, dtau_dqd: ZERO };
                 let mut each = vec![empty; states];
                 Name::inverse_dynamics_derivatives_each(&q, &qd, &x, &mut each).expect("sizes");
-                compare("d tau / dq", each.iter().map(|one| flat(&one.dq)).collect(), dq);
-                compare("d tau / dqd", each.iter().map(|one| flat(&one.dqd)).collect(), dqd);
+                compare("d tau / dq", each.iter().map(|one| flat(&one.dtau_dq)).collect(), dq);
+                compare("d tau / dqd", each.iter().map(|one| flat(&one.dtau_dqd)).collect(), dqd);
 
                 let one = |i| {
                     let (q, qd, x) = plains(i);
                     <Name as Robot>::forward_dynamics_derivatives(&q, &qd, &x)
                 };
                 let qdd: Vec<_> = (0..states).map(|i| number(one(i).qdd)).collect();
-                let dq: Vec<_> = (0..states).map(|i| unwrap(one(i).dq)).collect();
-                let dqd: Vec<_> = (0..states).map(|i| unwrap(one(i).dqd)).collect();
-                let dtau: Vec<_> = (0..states).map(|i| unwrap(one(i).dtau)).collect();
+                let dq: Vec<_> = (0..states).map(|i| unwrap(one(i).dqdd_dq)).collect();
+                let dqd: Vec<_> = (0..states).map(|i| unwrap(one(i).dqdd_dqd)).collect();
+                let dtau: Vec<_> = (0..states).map(|i| unwrap(one(i).dqdd_dtau)).collect();
                 let (mut first, mut found) = (vector(), [matrix(), matrix(), matrix()]);
                 let [a, b, c] = found.each_mut().map(|m| m.each_mut().map(slices_mut));
                 let out = slices_mut(&mut first);
@@ -287,17 +287,21 @@ macro_rules! several {
                 compare("d qdd / dtau", matrices(&found[2], states), dtau.clone());
                 let empty = modyn::ForwardDynamicsDerivatives {
                     qdd: [0.0; NV],
-                    dq: ZERO,
-                    dqd: ZERO,
-                    dtau: ZERO,
+                    dqdd_dq: ZERO,
+                    dqdd_dqd: ZERO,
+                    dqdd_dtau: ZERO,
                 };
                 let mut each = vec![empty; states];
                 Name::forward_dynamics_derivatives_each(&q, &qd, &x, &mut each).expect("sizes");
                 let back: Vec<[$T; NV]> = each.iter().map(|one| one.qdd).collect();
                 same(&back, &qdd, fused, "accelerations");
-                compare("d qdd / dq", each.iter().map(|one| flat(&one.dq)).collect(), dq);
-                compare("d qdd / dqd", each.iter().map(|one| flat(&one.dqd)).collect(), dqd);
-                compare("d qdd / dtau", each.iter().map(|one| flat(&one.dtau)).collect(), dtau);
+                compare("d qdd / dq", each.iter().map(|one| flat(&one.dqdd_dq)).collect(), dq);
+                compare("d qdd / dqd", each.iter().map(|one| flat(&one.dqdd_dqd)).collect(), dqd);
+                compare(
+                    "d qdd / dtau",
+                    each.iter().map(|one| flat(&one.dqdd_dtau)).collect(),
+                    dtau,
+                );
 
                 let factors: Vec<_> = (0..states)
                     .map(|i| number(*<Name as Robot>::brge(&plains(i).0).factors()))
@@ -359,21 +363,21 @@ macro_rules! hessians {
                                 let (q, qd, x, w) =
                                     (plain(&q[i]), plain(&qd[i]), plain(&x[i]), plain(&w[i]));
                                 let one = <Name as Robot>::$one::<Plain<$T>>(&q, &qd, &x, &w);
-                                let matrices = [one.dq_dq, one.dq_dqd, one.dqd_dqd, one.$mixed];
+                                let matrices = [one.hess_q_q, one.hess_q_qd, one.hess_qd_qd, one.$mixed];
                                 flat(
-                                    [one.$value, one.dq, one.dqd, one.$last].map(number),
+                                    [one.$value, one.grad_q, one.grad_qd, one.$last].map(number),
                                     matrices.map(|matrix| matrix.map(number)),
                                 )
                             })
                             .collect();
                         let empty = modyn::$Result {
                             $value: [0.0; NV],
-                            dq: [0.0; NV],
-                            dqd: [0.0; NV],
+                            grad_q: [0.0; NV],
+                            grad_qd: [0.0; NV],
                             $last: [0.0; NV],
-                            dq_dq: ZERO,
-                            dq_dqd: ZERO,
-                            dqd_dqd: ZERO,
+                            hess_q_q: ZERO,
+                            hess_q_qd: ZERO,
+                            hess_qd_qd: ZERO,
                             $mixed: ZERO,
                         };
                         let mut each = vec![empty; states];
@@ -381,8 +385,8 @@ macro_rules! hessians {
                         let found: Vec<[$T; N]> = each
                             .iter()
                             .map(|one| {
-                                let matrices = [one.dq_dq, one.dq_dqd, one.dqd_dqd, one.$mixed];
-                                flat([one.$value, one.dq, one.dqd, one.$last], matrices)
+                                let matrices = [one.hess_q_q, one.hess_q_qd, one.hess_qd_qd, one.$mixed];
+                                flat([one.$value, one.grad_q, one.grad_qd, one.$last], matrices)
                             })
                             .collect();
                         same(&found, &expected, fused, stringify!($each));
@@ -399,11 +403,11 @@ macro_rules! hessians {
                 }
                 compare!(
                     InverseDynamicsHessian, inverse_dynamics_hessian, inverse_dynamics_hessian_batch,
-                    inverse_dynamics_hessian_each, tau, dqdd, dq_dqdd
+                    inverse_dynamics_hessian_each, tau, grad_qdd, hess_q_qdd
                 );
                 compare!(
                     ForwardDynamicsHessian, forward_dynamics_hessian, forward_dynamics_hessian_batch,
-                    forward_dynamics_hessian_each, qdd, dtau, dq_dtau
+                    forward_dynamics_hessian_each, qdd, grad_tau, hess_q_tau
                 );
             });
         }
@@ -546,17 +550,23 @@ fn parameters_of_several_arrays() {
         <Arm as Robot>::forward_dynamics_derivatives_with(&params.map(Plain), &q, &qd, &tau)
     };
     let expected: Vec<[f64; 49]> = (0..STATES)
-        .map(|i| expected(i).dq.map(number).as_flattened().try_into().expect("a square"))
+        .map(|i| expected(i).dqdd_dq.map(number).as_flattened().try_into().expect("a square"))
         .collect();
     on_every_level(|fused| {
         let zero = [[0.0; 7]; 7];
-        let empty =
-            modyn::ForwardDynamicsDerivatives { qdd: [0.0; 7], dq: zero, dqd: zero, dtau: zero };
+        let empty = modyn::ForwardDynamicsDerivatives {
+            qdd: [0.0; 7],
+            dqdd_dq: zero,
+            dqdd_dqd: zero,
+            dqdd_dtau: zero,
+        };
         let mut each = vec![empty; STATES];
         Arm::forward_dynamics_derivatives_each_with(&params, &q, &qd, &tau, &mut each)
             .expect("sizes");
-        let found: Vec<[f64; 49]> =
-            each.iter().map(|one| one.dq.as_flattened().try_into().expect("a square")).collect();
+        let found: Vec<[f64; 49]> = each
+            .iter()
+            .map(|one| one.dqdd_dq.as_flattened().try_into().expect("a square"))
+            .collect();
         same(&found, &expected, fused, "d qdd / dq");
     });
 }
@@ -601,7 +611,8 @@ fn derivatives_do_not_disturb_each_other() {
     let [q, qd, tau]: [Vec<[f64; 7]>; 3] = [3.0, 2.0, 5.0].map(|size| vectors(STATES, size));
     let derivatives = |q: &Vec<[f64; 7]>| {
         let zero = [[0.0; 7]; 7];
-        let mut found = vec![modyn::InverseDynamicsDerivatives { dq: zero, dqd: zero }; STATES];
+        let mut found =
+            vec![modyn::InverseDynamicsDerivatives { dtau_dq: zero, dtau_dqd: zero }; STATES];
         Arm::inverse_dynamics_derivatives_each(q, &qd, &tau, &mut found).expect("sizes");
         found
     };
@@ -611,7 +622,7 @@ fn derivatives_do_not_disturb_each_other() {
             let mut q = q.clone();
             q[state][2] = f64::NAN;
             let found = derivatives(&q);
-            assert!(found[state].dq.as_flattened().iter().any(|x| x.is_nan()));
+            assert!(found[state].dtau_dq.as_flattened().iter().any(|x| x.is_nan()));
             for i in (0..STATES).filter(|&i| i != state) {
                 assert_eq!(found[i], good[i]);
             }
@@ -664,9 +675,9 @@ fn wrong_lengths_of_several_arrays() {
     dqd[2][1].pop();
     let [a, b] = [&mut dq, &mut dqd].map(|matrix| matrix.each_mut().map(slices_mut));
     let error = Arm::inverse_dynamics_derivatives_batch(q, q, q, a, b).expect_err("a length");
-    assert_eq!((error.argument, error.states, error.expected), ("dqd", 5, 6));
+    assert_eq!((error.argument, error.states, error.expected), ("dtau_dqd", 5, 6));
     let expected =
-        format!("`dqd[2][1]` ({}) holds 5 states, `q[0]` holds 6", Arm::VELOCITY_NAMES[1]);
+        format!("`dtau_dqd[2][1]` ({}) holds 5 states, `q[0]` holds 6", Arm::VELOCITY_NAMES[1]);
     assert_eq!(error.to_string(), expected);
     assert!(dq.iter().flatten().flatten().all(|&x| x == 1.0), "nothing was written");
 
@@ -676,7 +687,7 @@ fn wrong_lengths_of_several_arrays() {
     assert_eq!(error.to_string(), "`factors[9]` holds 7 states, `q[0]` holds 6");
 
     let zero = [[0.0; 7]; 7];
-    let mut five = [modyn::InverseDynamicsDerivatives { dq: zero, dqd: zero }; 5];
+    let mut five = [modyn::InverseDynamicsDerivatives { dtau_dq: zero, dtau_dqd: zero }; 5];
     let six = [[0.0; 7]; 6];
     let error =
         Arm::inverse_dynamics_derivatives_each(&six, &six, &six, &mut five).expect_err("a length");

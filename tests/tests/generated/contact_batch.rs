@@ -128,12 +128,12 @@ fields! {
     Wrench<X> { force: Vector3<X>, moment: Vector3<X> }
     ConstrainedForwardDynamics<V, W, R, X> { qdd: V, wrenches: W, residuals: R, rank: X }
     ConstrainedForwardDynamicsDerivatives<V, W, M, D, X> {
-        qdd: V, wrenches: W, dq: M, dqd: M, dtau: M, wrenches_dq: D, wrenches_dqd: D, wrenches_dtau: D, rank: X
+        qdd: V, wrenches: W, dqdd_dq: M, dqdd_dqd: M, dqdd_dtau: M, dwrenches_dq: D, dwrenches_dqd: D, dwrenches_dtau: D, rank: X
     }
     ImpactDynamics<V, W, X> { qd: V, impulses: W, rank: X }
     ConstrainedInverseDynamics<V, W, X> { tau: V, wrenches: W, rank: X }
     ConstraintResidual<R> { displacements: R, velocities: R }
-    ConstraintProjection<V, X> { dq: V, dqd: V, rank: X }
+    ConstraintProjection<V, X> { step_q: V, step_qd: V, rank: X }
     OperationalSpaceInertia<M, X> { inverse: M, inertia: M, rank: X }
 }
 

@@ -110,9 +110,9 @@ fn an_arm() {
         let expected = Arm::forward_dynamics_derivatives_with(&params, &q, &qd, &tau);
         let found = linear.forward_dynamics_derivatives;
         close("qdd", found.qdd, expected.qdd, 1e-10);
-        close_columns("dq", found.dq, expected.dq, 1e-10);
-        close_columns("dqd", found.dqd, expected.dqd, 1e-10);
-        close_columns("dtau", found.dtau, expected.dtau, 1e-10);
+        close_columns("dqdd_dq", found.dqdd_dq, expected.dqdd_dq, 1e-10);
+        close_columns("dqdd_dqd", found.dqdd_dqd, expected.dqdd_dqd, 1e-10);
+        close_columns("dqdd_dtau", found.dqdd_dtau, expected.dqdd_dtau, 1e-10);
     }
 }
 
@@ -230,8 +230,8 @@ fn many_states() {
         let expected = Arm::linear_with(&params, &q[k], &qd[k], &qd[k], 0.01);
         close("q", found.step_semi_implicit.q, expected.step_semi_implicit.q, 1e-10);
         let of = |all: &ArmLinear| all.forward_dynamics_derivatives;
-        close_columns("dq", of(found).dq, of(&expected).dq, 1e-9);
-        close_columns("dtau", of(found).dtau, of(&expected).dtau, 1e-9);
+        close_columns("dqdd_dq", of(found).dqdd_dq, of(&expected).dqdd_dq, 1e-9);
+        close_columns("dqdd_dtau", of(found).dqdd_dtau, of(&expected).dqdd_dtau, 1e-9);
     }
     let error = Arm::control_each(&q, &qd[1..], &mut each).expect_err("other numbers of states");
     assert!(error.to_string().contains("qd"), "{error}");

@@ -176,7 +176,7 @@ fn compiled_products_have_the_values_of_the_interpreter() {
             .evaluate(Function::ForwardDynamicsDerivatives, &arguments, 0, &mut expected)
             .expect("lengths");
         let found = Legged::forward_dynamics_derivatives(&q, &qd, &tau);
-        let matrices = [found.dq, found.dqd, found.dtau];
+        let matrices = [found.dqdd_dq, found.dqdd_dqd, found.dqdd_dtau];
         let found = [&found.qdd[..], matrices.as_flattened().as_flattened()].concat();
         assert_close("f64", &found, &expected, 1e-11);
         let single = |x: &[f64]| x.iter().map(|&x| x as f32).collect::<Vec<_>>();
@@ -186,7 +186,7 @@ fn compiled_products_have_the_values_of_the_interpreter() {
             &qd.try_into().expect("length"),
             &tau.try_into().expect("length"),
         );
-        let matrices = [found.dq, found.dqd, found.dtau];
+        let matrices = [found.dqdd_dq, found.dqdd_dqd, found.dqdd_dtau];
         let found = [&found.qdd[..], matrices.as_flattened().as_flattened()].concat();
         let found: Vec<f64> = found.into_iter().map(f64::from).collect();
         assert_close("f32", &found, &expected, 2e-3);

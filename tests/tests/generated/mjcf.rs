@@ -160,6 +160,6 @@ fn springs_and_gravity_compensation_are_generated() {
         dqdd_dtau: &mut dtau,
     };
     interpreter.forward_dynamics_derivatives(&q, &qd, &tau, outputs).expect("lengths");
-    close(found.dq.as_flattened(), &dq);
-    close(found.dqd.as_flattened(), &dqd);
+    close(found.dqdd_dq.as_flattened(), &dq);
+    close(found.dqdd_dqd.as_flattened(), &dqd);
 }

@@ -118,7 +118,7 @@ mod measured {
         let mut numbers = Numbers(1);
         let q: Vec<[f64; NQ]> = numbers.states().into_iter().map(normalized).collect();
         let [qd, tau]: [Vec<[f64; N]>; 2] = from_fn(|_| numbers.states());
-        let costate: Vec<[f64; 2 * N]> = numbers.states();
+        let cotangent: Vec<[f64; 2 * N]> = numbers.states();
         time(|| {
             for i in 0..STATES {
                 black_box(Bench::step_semi_implicit_hessian(
@@ -126,7 +126,7 @@ mod measured {
                     &qd[i],
                     &tau[i],
                     0.01,
-                    &costate[i],
+                    &cotangent[i],
                 ));
             }
         });

@@ -140,12 +140,11 @@ impl Harness<'_> {
             types += "flat!(robot::runtime::spatial::Pose<f64>, rotation, translation);\n";
         }
         if has(Function::InverseDynamicsDerivatives) {
-            types +=
-                "flat!(robot::runtime::InverseDynamicsDerivatives<[[f64; NV]; NV]>, dq, dqd);\n";
+            types += "flat!(robot::runtime::InverseDynamicsDerivatives<[[f64; NV]; NV]>, dtau_dq, dtau_dqd);\n";
         }
         if has(Function::ForwardDynamicsDerivatives) {
             types += "flat!(robot::runtime::ForwardDynamicsDerivatives<[f64; NV], [[f64; NV]; \
-                      NV]>, qdd, dq, dqd, dtau);\n";
+                      NV]>, qdd, dqdd_dq, dqdd_dqd, dqdd_dtau);\n";
         }
         MAIN.replace("__ROBOT__", self.type_name)
             .replace("__NQ__", &model.nq().to_string())

@@ -213,8 +213,10 @@ impl<'a> Dynamics<'a> {
     /// small.
     fn firm_rows(&mut self, State { q, qd, .. }: &State) -> Result<f64, ShapeError> {
         let settings = ConstraintSettings { tolerance: FIRM, ..self.constraint_settings.clone() };
-        let outputs =
-            ProjectionOutputs { dq: &mut vec![0.0; qd.len()], dqd: &mut vec![0.0; qd.len()] };
+        let outputs = ProjectionOutputs {
+            step_q: &mut vec![0.0; qd.len()],
+            step_qd: &mut vec![0.0; qd.len()],
+        };
         let firm = self.interpreter.project_constraints(
             equations::State { q, qd },
             &self.inactive,
@@ -249,7 +251,7 @@ impl<'a> Dynamics<'a> {
                 open,
                 &self.inactive,
                 settings,
-                ProjectionOutputs { dq, dqd },
+                ProjectionOutputs { step_q: dq, step_qd: dqd },
             )?;
             let q = state.q.clone();
             self.interpreter.integrate(&q, dq, &mut state.q)?;

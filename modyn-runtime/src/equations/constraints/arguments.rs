@@ -54,9 +54,9 @@ pub struct ConstrainedOutputs<'a, S> {
 #[derive(Debug)]
 pub struct ProjectionOutputs<'a, S> {
     /// The step of the coordinates, in tangent space.
-    pub dq: &'a mut [S],
+    pub step_q: &'a mut [S],
     /// The step of the velocities.
-    pub dqd: &'a mut [S],
+    pub step_qd: &'a mut [S],
 }
 
 /// The results of [`constraint_residual`](super::constraint_residual), an entry for each

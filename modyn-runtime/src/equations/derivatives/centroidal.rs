@@ -25,11 +25,11 @@ pub struct CentroidalOutputs<'a, S> {
     /// The time derivative of the momentum, N m and N.
     pub rate: &'a mut Momentum<S>,
     /// The derivatives of the momentum by the coordinates.
-    pub momentum_dq: &'a mut [Momentum<S>],
+    pub dmomentum_dq: &'a mut [Momentum<S>],
     /// The derivatives of the rate by the coordinates.
-    pub rate_dq: &'a mut [Momentum<S>],
+    pub drate_dq: &'a mut [Momentum<S>],
     /// The derivatives of the rate by the velocities.
-    pub rate_dqd: &'a mut [Momentum<S>],
+    pub drate_dqd: &'a mut [Momentum<S>],
 }
 
 /// Computes the momentum of the moving links about their centre of mass, its time derivative, and
@@ -43,7 +43,7 @@ pub fn centroidal_momentum_derivatives<S: Scalar>(
     workspace: &mut Workspace<S>,
     outputs: CentroidalOutputs<'_, S>,
 ) {
-    let CentroidalOutputs { momentum, rate, momentum_dq, rate_dq, rate_dqd } = outputs;
+    let CentroidalOutputs { momentum, rate, dmomentum_dq, drate_dq, drate_dqd } = outputs;
     workspace.move_to(model, q);
     // Gravity is an upward acceleration of the world. It has no moment about the centre of mass,
     // and a constant force.
@@ -66,13 +66,13 @@ pub fn centroidal_momentum_derivatives<S: Scalar>(
         let moved = workspace.composite[i].column(component).force.scale(share);
         Momentum { angular: angular - workspace.axes[i].mul_vector(moved).cross(total), linear }
     };
-    columns(model, rate_dq, |i, d, component| {
+    columns(model, drate_dq, |i, d, component| {
         let wrench = Composite::new(i, workspace).required_wrench(&workspace.perturbations[d])
             + displaced(workspace.wrenches[i], component);
         with_center(i, component, workspace, wrench, total.force)
     });
     perturbations_by_rates(model, qd, false, workspace);
-    columns(model, rate_dqd, |i, d, _| {
+    columns(model, drate_dqd, |i, d, _| {
         let composite = Composite::new(i, workspace);
         about_center(i, workspace, composite.required_wrench(&workspace.perturbations[d]))
     });
@@ -85,7 +85,7 @@ pub fn centroidal_momentum_derivatives<S: Scalar>(
     accumulate_wrenches(model, |_| None, workspace);
     let total = self::total(model, Wrench::zero(), workspace);
     *momentum = Momentum { angular: total.moment - center.cross(total.force), linear: total.force };
-    columns(model, momentum_dq, |i, _, component| {
+    columns(model, dmomentum_dq, |i, _, component| {
         let Twist { angular, linear } = twist_from_parent(model, i, workspace);
         // The velocity of the ancestors at the displaced points, as a twist.
         let change = match SpatialAxis::of(component) {

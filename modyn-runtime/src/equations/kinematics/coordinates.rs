@@ -78,9 +78,14 @@ pub fn difference<S: Scalar>(model: &Mechanism<S>, from: &[S], to: &[S], out: &m
 ///
 /// Both are in tangent space, in the axes at `q` and at the moved coordinates. They do not depend
 /// on `q` (Sola, Deray and Atchuthan 2018, "A micro Lie theory for state estimation in robotics").
-pub fn integrate_derivatives<S: Scalar>(model: &Mechanism<S>, v: &[S], dq: &mut [S], dv: &mut [S]) {
-    fill(model, dq, |block| Transport::of_start(Tangent::read(block, v)));
-    fill(model, dv, |block| Transport::of_displacement(Tangent::read(block, v)));
+pub fn integrate_derivatives<S: Scalar>(
+    model: &Mechanism<S>,
+    v: &[S],
+    dq_dq: &mut [S],
+    dq_dv: &mut [S],
+) {
+    fill(model, dq_dq, |block| Transport::of_start(Tangent::read(block, v)));
+    fill(model, dq_dv, |block| Transport::of_displacement(Tangent::read(block, v)));
 }
 
 /// Computes the derivatives of [`difference`] with respect to `from` and `to`, nv x nv matrices by
@@ -89,14 +94,14 @@ pub fn difference_derivatives<S: Scalar>(
     model: &Mechanism<S>,
     from: &[S],
     to: &[S],
-    dfrom: &mut [S],
-    dto: &mut [S],
+    dv_dfrom: &mut [S],
+    dv_dto: &mut [S],
 ) {
     // `difference` of exchanged arguments has the other sign.
     let backwards = |block: &_| Tangent::between(block, from, to).negated();
-    fill(model, dfrom, |block| Transport::inverse_of_displacement(backwards(block)).negated());
+    fill(model, dv_dfrom, |block| Transport::inverse_of_displacement(backwards(block)).negated());
     let forwards = |block: &_| Tangent::between(block, from, to);
-    fill(model, dto, |block| Transport::inverse_of_displacement(forwards(block)));
+    fill(model, dv_dto, |block| Transport::inverse_of_displacement(forwards(block)));
 }
 
 /// Computes dq/dt, the rates of the coordinates `q` at the velocities `qd`, nq entries.

@@ -19,7 +19,7 @@ impl<S: Scalar> Call<'_, S> {
 
     pub(super) fn generalized_forces(self, forces: Forces<'_, S>) -> Result<(), ShapeError> {
         let Self { robot, given, out } = self;
-        let [tau, dq] = out.parts();
-        robot.generalized_forces(&given[Q], forces, tau, dq)
+        let [tau, dtau_dq] = out.parts();
+        robot.generalized_forces(&given[Q], forces, tau, dtau_dq)
     }
 }

@@ -23,22 +23,22 @@ impl<S: Scalar> Call<'_, S> {
 
     pub(super) fn centroidal_momentum_derivatives(self) -> Result<(), ShapeError> {
         let Self { robot, given, out } = self;
-        let [momentum, rate, momentum_dq, rate_dq, rate_dqd] = out.parts();
+        let [momentum, rate, dmomentum_dq, drate_dq, drate_dqd] = out.parts();
         let mut values = [Momentum::zero(); 2];
-        let mut columns = [&*momentum_dq, rate_dq, rate_dqd].map(read);
+        let mut columns = [&*dmomentum_dq, drate_dq, drate_dqd].map(read);
         let [first, second] = &mut values;
         let [by_q, rate_by_q, rate_by_qd] = &mut columns;
         let outputs = CentroidalOutputs {
             momentum: first,
             rate: second,
-            momentum_dq: by_q,
-            rate_dq: rate_by_q,
-            rate_dqd: rate_by_qd,
+            dmomentum_dq: by_q,
+            drate_dq: rate_by_q,
+            drate_dqd: rate_by_qd,
         };
         robot.centroidal_momentum_derivatives(given.motion(), outputs)?;
         write(&values[..1], momentum);
         write(&values[1..], rate);
-        for (columns, place) in columns.iter().zip([momentum_dq, rate_dq, rate_dqd]) {
+        for (columns, place) in columns.iter().zip([dmomentum_dq, drate_dq, drate_dqd]) {
             write(columns, place);
         }
         Ok(())
@@ -70,9 +70,9 @@ impl<S: Scalar> Call<'_, S> {
 
     pub(super) fn project_constraints(self) {
         let Self { robot, given, out } = self;
-        let [dq, dqd, rank] = out.parts();
+        let [step_q, step_qd, rank] = out.parts();
         robot.activate(&given[CONTACTS]);
-        let outputs = ProjectionOutputs { dq, dqd };
+        let outputs = ProjectionOutputs { step_q, step_qd };
         rank[0] = robot.solve_projection(given.state(), &given.settings(), outputs);
     }
 
@@ -102,10 +102,10 @@ impl<S: Scalar> Call<'_, S> {
 
     pub(super) fn constrained_forward_dynamics_hessian(self) {
         let Self { robot, given, out } = self;
-        let [qdd, wrenches, dq, dqd, dtau, hessian @ .., rank] = out.parts::<10>();
+        let [qdd, wrenches, by_q, by_qd, by_tau, hessian @ .., rank] = out.parts::<10>();
         robot.activate(&given[CONTACTS]);
         let mut held = read(wrenches);
-        let gradients = [dq, dqd, dtau];
+        let gradients = [by_q, by_qd, by_tau];
         let outputs = ConstrainedHessianOutputs { qdd, wrenches: &mut held, gradients, hessian };
         let wrench_weights = read(&given[WRENCH_COTANGENT]);
         let weights = ConstrainedCotangent { qdd: &given[COTANGENT], wrenches: &wrench_weights };

@@ -1,6 +1,8 @@
 //! The evaluation of time steps and actuators.
 
-use super::super::arguments::{ACT_COSTATE, COSTATE, DACT, DCTRL, DQ, DQD, DTAU};
+use super::super::arguments::{
+    ACT_COTANGENT, STATE_COTANGENT, TANGENT_ACT, TANGENT_CTRL, TANGENT_Q, TANGENT_QD, TANGENT_TAU,
+};
 use super::call::Call;
 use crate::Scalar;
 use crate::interpreter::{
@@ -30,9 +32,10 @@ impl<S: Scalar> Call<'_, S> {
 
     pub(super) fn step_semi_implicit_hessian(self) -> Result<(), ShapeError> {
         let Self { robot, given, out } = self;
-        let [q, qd, dx, dtau, dx_dx, dx_dtau, dtau_dtau] = out.parts();
-        let outputs = StepHessianOutputs { q, qd, dx, dtau, dx_dx, dx_dtau, dtau_dtau };
-        robot.step_semi_implicit_hessian(given.time_step(), &given[COSTATE], outputs)
+        let [q, qd, grad_x, grad_tau, hess_x_x, hess_x_tau, hess_tau_tau] = out.parts();
+        let outputs =
+            StepHessianOutputs { q, qd, grad_x, grad_tau, hess_x_x, hess_x_tau, hess_tau_tau };
+        robot.step_semi_implicit_hessian(given.time_step(), &given[STATE_COTANGENT], outputs)
     }
 
     pub(super) fn step_rk4(self) -> Result<(), ShapeError> {
@@ -82,18 +85,24 @@ impl<S: Scalar> Call<'_, S> {
 
     pub(super) fn step_vjp(self) -> Result<(), ShapeError> {
         let Self { robot, given, out } = self;
-        let [q, qd, qdd, forces, dx, du, residual, iterations] = out.parts();
+        let [q, qd, qdd, forces, grad_x, grad_u, residual, iterations] = out.parts();
         let outputs = solution([q, qd, qdd, forces, residual, iterations]);
-        let gradients = StateGradients { costate: &given[COSTATE], act_costate: &[], dx, du };
+        let gradients = StateGradients {
+            state_cotangent: &given[STATE_COTANGENT],
+            act_cotangent: &[],
+            grad_x,
+            grad_u,
+        };
         robot.step_vjp(given.step_input(), &given.step_settings(), outputs, gradients)
     }
 
     pub(super) fn step_jvp(self) -> Result<(), ShapeError> {
         let Self { robot, given, out } = self;
-        let [q, qd, qdd, forces, dx, residual, iterations] = out.parts();
+        let [q, qd, qdd, forces, tangent_x, residual, iterations] = out.parts();
         let outputs = solution([q, qd, qdd, forces, residual, iterations]);
-        let [dq, dqd, du] = [DQ, DQD, DTAU].map(|argument| &given[argument]);
-        let change = StateChange { dq, dqd, dact: &[], du, dx };
+        let [tangent_q, tangent_qd, tangent_u] =
+            [TANGENT_Q, TANGENT_QD, TANGENT_TAU].map(|argument| &given[argument]);
+        let change = StateChange { tangent_q, tangent_qd, tangent_act: &[], tangent_u, tangent_x };
         robot.step_jvp(given.step_input(), &given.step_settings(), outputs, change)
     }
 
@@ -115,20 +124,22 @@ impl<S: Scalar> Call<'_, S> {
 
     pub(super) fn step_actuated_vjp(self) -> Result<(), ShapeError> {
         let Self { robot, given, out } = self;
-        let [q, qd, act, qdd, forces, dx, du, residual, iterations] = out.parts();
+        let [q, qd, act, qdd, forces, grad_x, grad_u, residual, iterations] = out.parts();
         let outputs = solution([q, qd, qdd, forces, residual, iterations]);
-        let [costate, act_costate] = [COSTATE, ACT_COSTATE].map(|argument| &given[argument]);
-        let gradients = StateGradients { costate, act_costate, dx, du };
+        let [state_cotangent, act_cotangent] =
+            [STATE_COTANGENT, ACT_COTANGENT].map(|argument| &given[argument]);
+        let gradients = StateGradients { state_cotangent, act_cotangent, grad_x, grad_u };
         let input = given.actuated_input();
         robot.step_actuated_vjp(input, &given.step_settings(), outputs, act, gradients)
     }
 
     pub(super) fn step_actuated_jvp(self) -> Result<(), ShapeError> {
         let Self { robot, given, out } = self;
-        let [q, qd, act, qdd, forces, dx, residual, iterations] = out.parts();
+        let [q, qd, act, qdd, forces, tangent_x, residual, iterations] = out.parts();
         let outputs = solution([q, qd, qdd, forces, residual, iterations]);
-        let [dq, dqd, dact, du] = [DQ, DQD, DACT, DCTRL].map(|argument| &given[argument]);
-        let change = StateChange { dq, dqd, dact, du, dx };
+        let [tangent_q, tangent_qd, tangent_act, tangent_u] =
+            [TANGENT_Q, TANGENT_QD, TANGENT_ACT, TANGENT_CTRL].map(|argument| &given[argument]);
+        let change = StateChange { tangent_q, tangent_qd, tangent_act, tangent_u, tangent_x };
         let input = given.actuated_input();
         robot.step_actuated_jvp(input, &given.step_settings(), outputs, act, change)
     }

@@ -96,9 +96,9 @@ macro_rules! derivatives {
             called.expect("sizes");
             let found = $Robot::forward_dynamics_derivatives(&q, &qd, &tau);
             close("accelerations", &found.qdd, &qdd, DOUBLE);
-            close("d qdd / dq", found.dq.as_flattened(), &dq, DOUBLE);
-            close("d qdd / dqd", found.dqd.as_flattened(), &dqd, DOUBLE);
-            close("d qdd / dtau", found.dtau.as_flattened(), &dtau, DOUBLE);
+            close("d qdd / dq", found.dqdd_dq.as_flattened(), &dq, DOUBLE);
+            close("d qdd / dqd", found.dqdd_dqd.as_flattened(), &dqd, DOUBLE);
+            close("d qdd / dtau", found.dqdd_dtau.as_flattened(), &dtau, DOUBLE);
         }
     }};
 }

@@ -41,8 +41,8 @@ impl<const N: usize> Flat for [[f64; N]; N] {
 
 impl<const N: usize> Flat for modyn::ForwardDynamicsDerivatives<[f64; N], [[f64; N]; N]> {
     fn flat(&self) -> Vec<f64> {
-        let Self { qdd, dq, dqd, dtau } = self;
-        [&qdd[..], &dq.concat(), &dqd.concat(), &dtau.concat()].concat()
+        let Self { qdd, dqdd_dq, dqdd_dqd, dqdd_dtau } = self;
+        [&qdd[..], &dqdd_dq.concat(), &dqdd_dqd.concat(), &dqdd_dtau.concat()].concat()
     }
 }
 
@@ -56,8 +56,8 @@ impl<const N: usize, W, D> Flat
     for modyn::ConstrainedForwardDynamicsDerivatives<[f64; N], W, [[f64; N]; N], D, f64>
 {
     fn flat(&self) -> Vec<f64> {
-        let Self { qdd, dq, dqd, dtau, .. } = self;
-        [&qdd[..], &dq.concat(), &dqd.concat(), &dtau.concat()].concat()
+        let Self { qdd, dqdd_dq, dqdd_dqd, dqdd_dtau, .. } = self;
+        [&qdd[..], &dqdd_dq.concat(), &dqdd_dqd.concat(), &dqdd_dtau.concat()].concat()
     }
 }
 

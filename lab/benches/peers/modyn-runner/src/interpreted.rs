@@ -79,7 +79,7 @@ fn compared(shape: &Shape) -> Vec<Range<usize>> {
         (*name, next - field.len()..next)
     });
     ranges
-        .filter(|(name, _)| ["qdd", "dq", "dqd", "dtau"].contains(name))
+        .filter(|(name, _)| ["qdd", "dqdd_dq", "dqdd_dqd", "dqdd_dtau"].contains(name))
         .map(|(_, range)| range)
         .collect()
 }

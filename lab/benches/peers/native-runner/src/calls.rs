@@ -12,7 +12,7 @@ use crate::measure::Job;
 use crate::robots::Robot;
 
 /// The results that are compared, in this order; a result without names is compared as a whole.
-const COMPARED: [&str; 4] = ["qdd", "dq", "dqd", "dtau"];
+const COMPARED: [&str; 4] = ["qdd", "dqdd_dq", "dqdd_dqd", "dqdd_dtau"];
 
 /// Returns the robot's builder, with this function.
 pub fn builder(robot: &Robot, quantity: &str) -> Builder {
