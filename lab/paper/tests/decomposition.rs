@@ -559,15 +559,15 @@ fn twists_of_neighbouring_links_are_appendix_a1() {
     let mut interpreter =
         Interpreter::<f64>::with_modules(model, modules).expect("its own modules");
     let d = interpreter.decomposition(&[0.0; 4]).expect("lengths");
-    // At zero all axes are parallel, as in the paper: A = [1, 0; a x, 1], a from link 1^2 back to 1^1, which
-    // is 0.1 m along x, and p = [e; 0].
+    // At zero all axes are parallel, as in the paper: A = [1, a x; 0, 1] with the linear part first, a from
+    // link 1^2 back to 1^1, which is 0.1 m along x, and p = [0; e].
     let a = d.propagation(1, 0);
     for i in 0..6 {
         for j in 0..6 {
             let expected = match (i, j) {
                 _ if i == j => 1.0,
-                (4, 2) => 0.1,
-                (5, 1) => -0.1,
+                (1, 5) => 0.1,
+                (2, 4) => -0.1,
                 _ => 0.0,
             };
             let found = a.get(i, j).expect("inside");
@@ -575,7 +575,7 @@ fn twists_of_neighbouring_links_are_appendix_a1() {
         }
     }
     let axis = d.joint_motion_propagation(1);
-    for (found, expected) in axis.entries.iter().zip([0.0, -1.0, 0.0, 0.0, 0.0, 0.0]) {
+    for (found, expected) in axis.entries.iter().zip([0.0, 0.0, 0.0, 0.0, -1.0, 0.0]) {
         assert!((found - expected).abs() < 1e-15, "(A.2)");
     }
 }
