@@ -142,6 +142,7 @@ pub(crate) fn at_most<S: Scalar>(x: S, most: S) -> S {
 
 /// Returns the larger of two numbers that are not negative; unlike [`Scalar::max`], NaN if one is
 /// NaN.
+#[cfg(feature = "alloc")]
 #[inline(always)]
 pub(crate) fn larger<S: Scalar>(a: S, b: S) -> S {
     let sum = a + b;
