@@ -242,7 +242,7 @@ fn compare(name: &str, builder: Builder, model: &Model, function: Terms, seed: u
                     block.push(0.5 * (entry([a, b]) + entry([b, a])));
                 }
             }
-            close(&format!("terms_hessian.d{}_d{}", rows.0, columns.0), &block);
+            close(&format!("terms_hessian.hess_{}_{}", rows.0, columns.0), &block);
         }
     }
 }
