@@ -89,7 +89,7 @@ class Comparison(unittest.TestCase):
         library = compiled(path, "forward_dynamics, inverse_dynamics, mass_matrix, link_pose, step_semi_implicit")
         robot = Robot(path)
         q, qd, tau, qdd = symbols(robot, "q", "qd", "tau", "qdd")
-        x = robot.random_configuration(np.random.default_rng(1))
+        x = robot.random(np.random.default_rng(1))
         load = lambda name: ca.external(f"arm7_{name}", library)
         forward = ca.Function("f", [q, qd, tau], [robot.forward_dynamics(q, qd, tau)], ["q", "qd", "tau"], ["qdd"])
         self.all_the_same(load("forward_dynamics"), forward, x)
@@ -115,7 +115,7 @@ class Comparison(unittest.TestCase):
                 *(["--base", "floating"] if floating else []), "--type-name", name.capitalize(), name=name)
             robot = Robot(path, floating)
             q, qd, tau, qdd = symbols(robot, "q", "qd", "tau", "qdd")
-            x = robot.random_configuration(np.random.default_rng(2))
+            x = robot.random(np.random.default_rng(2))
             functions = [
                 ("forward_dynamics", [q, qd, tau], robot.forward_dynamics(q, qd, tau), "qdd"),
                 ("inverse_dynamics", [q, qd, qdd], robot.inverse_dynamics(q, qd, qdd), "tau"),
@@ -133,7 +133,7 @@ class Comparison(unittest.TestCase):
             path = f"{FOLDER}/{robot_name}.urdf"
             library = compiled(path, "step_implicit_midpoint", name=f"midpoint_{robot_name}")
             robot = Robot(path)
-            x = [*robot.random_configuration(np.random.default_rng(4)), 0.005]
+            x = [*robot.random(np.random.default_rng(4)), 0.005]
             ours = ca.external(f"{robot_name}_step_implicit_midpoint", library)
             self.all_the_same(
                 ours, robot.implicit_midpoint(), x, patterns=False, second=second, tolerance=1e-8)
