@@ -17,8 +17,6 @@ pub use lane_scalar::LaneScalar;
 pub use portable::Portable;
 #[cfg(feature = "alloc")]
 pub(crate) use tangent::Tangent;
-#[cfg(feature = "alloc")]
-pub(crate) use traits::larger;
 pub use traits::{Chunk, Pack, Scalar, SimdBackend, SimdTask};
 pub(crate) use traits::{at_least, at_most, epsilon, positive};
 pub use trig::{FRAC_1_PI_BITS, PI_BITS, SIN_COS_F32, SIN_COS_F64, SinCosNumbers};

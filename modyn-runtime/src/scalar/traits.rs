@@ -140,15 +140,6 @@ pub(crate) fn at_most<S: Scalar>(x: S, most: S) -> S {
     (x - most).select_nonnegative(most, x)
 }
 
-/// Returns the larger of two numbers that are not negative; unlike [`Scalar::max`], NaN if one is
-/// NaN.
-#[cfg(feature = "alloc")]
-#[inline(always)]
-pub(crate) fn larger<S: Scalar>(a: S, b: S) -> S {
-    let sum = a + b;
-    sum.select_nonnegative(a.max(b), sum)
-}
-
 /// The types of an instruction set: a single value, and packs of two, four and eight.
 pub trait SimdBackend: 'static {
     /// The scalar that is packed.

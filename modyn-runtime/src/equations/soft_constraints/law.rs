@@ -270,3 +270,11 @@ fn possible<S: Scalar>(impedance: S) -> S {
     let [least, most] = IMPEDANCES.map(S::from_f64);
     at_most(at_least(impedance, least), most)
 }
+
+/// Returns the larger of two numbers that are not negative; unlike [`Scalar::max`], NaN if one is
+/// NaN.
+#[inline(always)]
+pub(super) fn larger<S: Scalar>(a: S, b: S) -> S {
+    let sum = a + b;
+    sum.select_nonnegative(a.max(b), sum)
+}

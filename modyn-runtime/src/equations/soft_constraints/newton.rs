@@ -1,11 +1,12 @@
 //! Newton's method for the rows of a step. An iteration and an evaluation of its line search decide
 //! by selections, so that they run on numbers, in lanes, and on expressions.
 
+use super::law::larger;
 use super::problem::{Iterate, SoftMotion, StepProblem};
 use super::responses::Laws;
 use crate::Scalar;
 use crate::mechanism::{BodyTree, Mechanism};
-use crate::scalar::{at_most, larger};
+use crate::scalar::at_most;
 
 /// A full step is taken if the slope at its end is at most this share of that at its start.
 const FULL_STEP: f64 = 0.05;
