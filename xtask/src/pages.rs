@@ -7,7 +7,6 @@
 
 mod chart;
 mod data;
-mod errors;
 mod functions;
 mod gallery;
 mod measured;
@@ -43,11 +42,10 @@ const MARKED: [&str; 8] = [
 
 /// The marks of texts that are made of the compiler's tables. The others show a file of
 /// `docs/data`.
-const MARKS: [(&str, Make); 21] = [
+const MARKS: [(&str, Make); 20] = [
     ("calls-of-tests", rust::calls_of_tests),
     ("default-functions", rust::default_functions),
     ("default-functions-of-constraints", rust::default_functions_of_constraints),
-    ("error-list", errors::list),
     ("function-sentences", functions::sentences),
     ("function-table", functions::table),
     ("function-variants", rust::variants),

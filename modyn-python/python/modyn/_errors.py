@@ -11,7 +11,7 @@ class Diagnostic(NamedTuple):
     severity: str
     """`error` or `warning`"""
     code: str
-    """the kind of fault, such as `negative-mass`; docs/troubleshooting.md lists them"""
+    """the kind of fault, such as `negative-mass`; `modyn explain` lists them"""
     file: str | None
     line: int | None
     """counted from 1"""

@@ -22,6 +22,31 @@ fn local(function: Function) -> Option<&'static str> {
     Function::from_name(&format!("{}_local", function.name())).map(|local| local.name())
 }
 
+/// Returns the function before an ending for derivatives, if `function` returns derivatives.
+fn differentiated(function: Function) -> Option<Function> {
+    let endings = ["_derivatives", "_vjp", "_jvp", "_hessian"];
+    let stem = endings.iter().find_map(|ending| function.name().strip_suffix(ending))?;
+    Function::from_name(stem)
+}
+
+/// Returns the results of a function with their shapes. The results of the differentiated function
+/// are not repeated.
+fn results(function: Function) -> String {
+    let all = python::shape_of_result(&function.row());
+    let of_derivatives = differentiated(function).and_then(|base| {
+        let fields = python::shape_of_result(&base.row());
+        let fields: Vec<&str> = fields.split(", `").collect();
+        let (of_base, others): (Vec<&str>, Vec<&str>) =
+            all.split(", `").partition(|field| fields.contains(field));
+        let others = others.join(", `");
+        (of_base.len() == fields.len()).then(|| format!("as `{}`; `{others}", base.name()))
+    });
+    match of_derivatives.unwrap_or(all) {
+        number if number == "a number" => number,
+        named => named.replace(" a number", ""),
+    }
+}
+
 /// Returns the table.
 pub(super) fn table() -> String {
     let rows = of_one_state().map(|function| {
@@ -32,12 +57,13 @@ pub(super) fn table() -> String {
         if row.by_link {
             arguments.push("link".into());
         }
+        let place = if differentiated(function).is_some() { "derivatives" } else { name };
         let local = local(function).map_or(String::new(), |local| format!(", `{local}`"));
         [
-            format!("[`{name}`](#{name}){local}"),
+            format!("[`{name}`](#{place}){local}"),
             row.known_as.iter().map(|name| known(name)).collect::<Vec<String>>().join(", "),
             arguments.join(", "),
-            python::shape_of_result(&row),
+            results(function),
             forms(function).join(", "),
         ]
     });
@@ -68,10 +94,11 @@ fn forms(function: Function) -> Vec<&'static str> {
     forms.into_iter().flatten().collect()
 }
 
-/// Returns a heading for each function, with its documentation.
+/// Returns a heading for each function, with its documentation. Derivatives have a section of
+/// their own.
 pub(super) fn sentences() -> String {
     let mut text = String::new();
-    for function in of_one_state() {
+    for function in of_one_state().filter(|function| differentiated(*function).is_none()) {
         let own_axes = |local| format!(" `{local}`: in the link's own axes.");
         let local = local(function).map_or(String::new(), own_axes);
         let _ = writeln!(text, "### `{}`\n\n{}{local}\n", function.name(), function.row().docs);

@@ -173,14 +173,12 @@ fn gpu_in_short() -> String {
 /// The rows of the firmware's table that its page shows.
 fn firmware_in_short() -> String {
     let names: Vec<&str> =
-        "arm7::forward_dynamics arm7::inverse_dynamics arm7_c::forward_dynamics \
-        legs::forward_dynamics legs_shared::forward_dynamics"
+        "arm7::forward_dynamics arm7_c::forward_dynamics legs::forward_dynamics legs_shared::forward_dynamics"
             .split(' ')
             .collect();
     let data = Data::load("firmware");
     let shown = |row: &&Vec<String>| {
-        let is_of_core =
-            [["M4F", "f32"], ["M7", "f64"], ["RV32", "f32"]].iter().any(|of| row[..2] == *of);
+        let is_of_core = [["M4F", "f32"], ["M7", "f64"]].iter().any(|of| row[..2] == *of);
         is_of_core && row[2] == "3" && names.contains(&row[3].trim_matches('`'))
     };
     let mut rows: Vec<&[String]> = data.rows.iter().filter(shown).map(Vec::as_slice).collect();

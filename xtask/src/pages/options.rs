@@ -5,8 +5,37 @@ use modyn_codegen::options::{Entries, OPTIONS, OptionRow};
 
 use super::data::markdown;
 
+/// The options that another page describes: the table has the first sentence, and a link.
+const GUIDES: [(&str, &str); 8] = [
+    ("loops", "contacts.md#closed-loops"),
+    ("contacts", "contacts.md#contacts"),
+    ("ground", "contacts.md#collision-shapes"),
+    ("actuators", "contacts.md#actuators-of-a-urdf"),
+    ("functions", "functions.md"),
+    ("fused", "functions.md#fused-functions"),
+    ("share_limbs", "performance.md#equal-limbs"),
+    ("code", "performance.md#straight-line-code-or-loops"),
+];
+
+/// Returns what the page says about an option.
+fn on_the_page(row: &OptionRow) -> String {
+    let docs = row.docs.trim();
+    match GUIDES.iter().find(|(name, _)| *name == row.name) {
+        Some((_, page)) => {
+            let first =
+                docs.split_once(". ").map_or(docs.trim_end_matches('.'), |(first, _)| first);
+            format!("{first} ([more]({page})).")
+        }
+        None => docs.into(),
+    }
+}
+
 /// Returns the first columns of the table of some options.
-fn table(rows: impl Iterator<Item = &'static OptionRow>, columns: usize) -> String {
+fn table(
+    rows: impl Iterator<Item = &'static OptionRow>,
+    columns: usize,
+    docs: fn(&OptionRow) -> String,
+) -> String {
     let titles = ["option", "values", "default", "meaning", "example"];
     // A bar in a table's cell has a backslash.
     let escaped = |text: &str| text.replace('|', "\\|");
@@ -16,7 +45,7 @@ fn table(rows: impl Iterator<Item = &'static OptionRow>, columns: usize) -> Stri
             format!("`{}`", row.name),
             format!("`{}`", escaped(form)),
             row.default.into(),
-            row.docs.trim().into(),
+            docs(row),
             format!("`{}`", escaped(row.example)),
         ];
         cells.truncate(columns);
@@ -27,7 +56,7 @@ fn table(rows: impl Iterator<Item = &'static OptionRow>, columns: usize) -> Stri
 
 /// Returns the page's table.
 pub(super) fn whole() -> String {
-    table(OPTIONS.iter(), 5)
+    table(OPTIONS.iter(), 5, on_the_page)
 }
 
 /// Returns the names of the options that only files have.
@@ -38,5 +67,6 @@ pub(super) fn of_files() -> String {
 
 /// Returns the table of the options that the macro has.
 pub(super) fn of_macro() -> String {
-    table(OPTIONS.iter().filter(|row| row.entries == Entries::All), 4)
+    let rows = OPTIONS.iter().filter(|row| row.entries == Entries::All);
+    table(rows, 4, |row| row.docs.trim().into())
 }
