@@ -327,7 +327,7 @@ fn casadi_has_no_functions_of_users() {
     assert!(errors.to_string().contains("`CasADi` has no functions of users"), "{errors}");
 }
 
-/// The velocities after a Runge-Kutta step, as docs/optimal-control.md has them.
+/// The velocities after a Runge-Kutta step.
 struct Step;
 
 impl UserFunction<4> for Step {

@@ -29,8 +29,9 @@ const FILES: [(&str, Make); 3] = [
 ];
 
 /// The files with marks, besides the pages of `docs` and `docs/internals`.
-const MARKED: [&str; 8] = [
+const MARKED: [&str; 9] = [
     "README.md",
+    "robots/README.md",
     "modyn-runtime/src/quantities/function.rs",
     "modyn-runtime/src/functions.rs",
     "modyn-runtime/src/robot/mod.rs",
@@ -70,7 +71,7 @@ fn text_of(name: &str) -> String {
     let own = MARKS.iter().find(|(mark, _)| *mark == name).map(|(_, text)| text());
     own.or_else(|| operations::text_of(name))
         .or_else(|| measured::text_of(name))
-        .unwrap_or_else(|| measured::whole(&data::Data::load(name)))
+        .unwrap_or_else(|| data::Data::load(name).shown())
 }
 
 /// Returns the path of a file of the repository.

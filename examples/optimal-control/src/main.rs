@@ -29,7 +29,7 @@ const ZERO: Duration = Duration::ZERO;
 
 fn main() {
     println!(
-        "| problem | size | result | iterations | solution, us | each step and iteration, us | of which derivatives, us |"
+        "| problem | size | result | iterations | solution, µs | each step and iteration, µs | of which derivatives, µs |"
     );
     println!("|---|---|---|---|---|---|---|");
     reach_by_ilqr();

@@ -824,7 +824,7 @@ pub const ROWS: &[Row] = &[
     Row {
         function: Function::LinkAcceleration,
         name: "link_acceleration",
-        known_as: &["pin.getFrameAcceleration", "mj_objectAcceleration"],
+        known_as: &["pin.getFrameClassicalAcceleration", "mj_objectAcceleration"],
         arguments: &[Q, QD, QDD],
         by_link: true,
         result: shapes::twist,

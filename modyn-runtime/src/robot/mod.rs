@@ -2197,7 +2197,7 @@ pub trait Robot {
 
     /// Returns the classical acceleration of a link's origin (m/s^2) and its angular acceleration
     /// (rad/s^2), in world axes. Gravity is not included. Computes the link's kinematic path only.
-    #[doc(alias = "pin.getFrameAcceleration")]
+    #[doc(alias = "pin.getFrameClassicalAcceleration")]
     #[doc(alias = "mj_objectAcceleration")]
     fn link_acceleration<T: Scalar>(
         q: &Self::Q<T>,

@@ -13,7 +13,7 @@ const SOURCES: [(&str, &str, &str); 4] = [
     ("humanoid", "G1", "g1_description/urdf/g1_29dof_rev_1_0"),
 ];
 
-/// Returns a table with a row for each robot: its picture, joints and operations.
+/// Returns a table with a row for each robot: its picture and operations.
 pub(super) fn table_of_robots() -> String {
     let compared = Data::load("robots");
     let rows = files("robots", ".urdf").into_iter().map(|path| {
@@ -22,20 +22,6 @@ pub(super) fn table_of_robots() -> String {
             [Function::ForwardDynamics, Function::InverseDynamics, Function::MassMatrix];
         let builder = Builder::new().urdf(root(&path)).functions(functions);
         let generated = builder.generate().unwrap_or_else(|found| panic!("{path}: {found}"));
-        let model = &generated.model;
-        let mut counts: Vec<(&str, usize)> = Vec::new();
-        for name in model.links().iter().map(|link| link.joint.joint_type.name()) {
-            match counts.iter_mut().find(|(one, _)| *one == name) {
-                Some((_, count)) => *count += 1,
-                None => counts.push((name, 1)),
-            }
-        }
-        let joints = counts.into_iter().map(|(name, count)| format!("{count} {name}"));
-        let mut joints: Vec<String> = joints.collect();
-        let loops = model.loop_constraints().len();
-        if loops > 0 {
-            joints.push(format!("{loops} that closes a loop"));
-        }
         let operations = |function: &str| {
             let found = generated.operations.iter().find(|(one, _)| *one == function);
             found.expect("a function").1.total().to_string()
@@ -45,17 +31,15 @@ pub(super) fn table_of_robots() -> String {
             format!("{title}: {}", compared.cell(&[file], "accelerations"))
         });
         [
-            format!("![{name}](figures/robots/{name}.svg)"),
-            format!("[`{name}`](../{path})"),
-            joints.join(", "),
-            model.nv().to_string(),
+            format!("![{name}](../docs/figures/robots/{name}.svg)"),
+            format!("`{name}`"),
             operations("forward_dynamics"),
             operations("inverse_dynamics"),
             operations("mass_matrix"),
             source,
         ]
     });
-    let titles = "picture | robot | joints | degrees of freedom of the tree | operations: forward dynamics | inverse dynamics \
-        | mass matrix | the source's description: accelerations beside Pinocchio";
+    let titles = "picture | robot | forward dynamics | inverse dynamics | mass matrix \
+        | the source's description: accelerations beside Pinocchio";
     table(titles, rows)
 }

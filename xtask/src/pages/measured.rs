@@ -11,48 +11,6 @@ fn ratio(ratio: f64) -> String {
 /// The program whose times the others are divided by.
 const OWN: &str = "modyn native";
 
-/// Returns the 99th percentile and the largest of the times of a row, which files of cold times
-/// have beside the median.
-fn late<'a>(data: &'a Data, key: &[&str]) -> Vec<&'a str> {
-    let titles = ["ns, 99 %", "ns, most"].into_iter();
-    let titles = titles.filter(|title| data.titles.iter().any(|one| one == title));
-    titles.map(|title| data.cell(key, title)).collect()
-}
-
-/// Times by robot and program, with the ratio to modyn's in brackets, then the fastest of a
-/// program's variants.
-fn by_program(data: &Data) -> String {
-    let mut programs: Vec<&str> = Vec::new();
-    let mut cases: Vec<[&str; 2]> = Vec::new();
-    for row in &data.rows {
-        let (case, program) = ([row[0].as_str(), row[1].as_str()], row[2].as_str());
-        if !programs.contains(&program) {
-            programs.push(program);
-        }
-        if !cases.contains(&case) {
-            cases.push(case);
-        }
-    }
-    let titles = [&["quantity", "robot"], &programs[..]].concat();
-    let rows = cases.into_iter().map(|[quantity, robot]| {
-        let own = data.number(&[quantity, robot, OWN], "ns");
-        let cell = |program: &&str| {
-            let key = [quantity, robot, program];
-            let Some(ns) = data.find(&key, "ns") else { return String::new() };
-            let Ok(value) = ns.parse::<f64>() else { return ns.into() };
-            let times = match *program {
-                OWN => String::new(),
-                _ => format!(" ({}x)", ratio(value / own)),
-            };
-            let all = [&[ns], &late(data, &key)[..]].concat().join(" / ");
-            format!("{all}{times} {}", data.cell(&key, "variant")).trim_end().into()
-        };
-        let cells = programs.iter().map(cell);
-        [quantity.into(), robot.into()].into_iter().chain(cells).collect::<Vec<_>>()
-    });
-    table(&titles.join(" | "), rows) + &data.source()
-}
-
 /// The README's table: microseconds of modyn and of the fastest other program.
 fn speed_in_short() -> String {
     let (warm, cold) = (Data::load("calls"), Data::load("calls-cold"));
@@ -150,26 +108,6 @@ fn other(comparison: &str, [core, scalar, level, function]: Measurement) -> Opti
     Some([core.into(), scalar.into(), "3".into(), function])
 }
 
-/// The rows of the table of kernels in `f32` for a million states, with the other libraries beside
-/// them.
-fn gpu_in_short() -> String {
-    const MILLION: &str = "1,048,576 states";
-    let data = Data::load("gpu-libraries");
-    let own = data.rows.iter().filter(|row| row[2] == "modyn, CUDA" && row[3] == "f32");
-    let rows = own.map(|row| {
-        let others = ["GRiD", "frax", "MuJoCo XLA, `mjx.forward`"];
-        let others = others
-            .map(|library| data.find(&[&row[0], &row[1], library, "f32"], MILLION).unwrap_or(""));
-        let time = row[data.column(MILLION)].as_str();
-        [&[row[0].as_str(), &row[1], time], &others[..]]
-            .concat()
-            .into_iter()
-            .map(String::from)
-            .collect::<Vec<_>>()
-    });
-    table("robot | kernel | modyn, ns | GRiD | frax | MuJoCo XLA", rows) + &data.source()
-}
-
 /// The rows of the firmware's table that its page shows.
 fn firmware_in_short() -> String {
     let names: Vec<&str> =
@@ -231,25 +169,6 @@ fn collections_in_short() -> String {
     parts.join("; ")
 }
 
-/// The models of the collections that are refused, though they are whole and something moves in
-/// them.
-fn refused_models() -> String {
-    let data = Data::load("collected");
-    let [verdict, compared, code, why] =
-        ["verdict", "compared", "code", "why"].map(|title| data.column(title));
-    let is_model = |row: &&Vec<String>| {
-        row[verdict] != "accepted" && row[compared] == "loads"
-            || row[verdict] == "refused" && row[compared].is_empty()
-    };
-    let rows: Vec<[String; 4]> = data
-        .rows
-        .iter()
-        .filter(is_model)
-        .map(|row| [row[0].clone(), row[1].clone(), format!("`{}`", row[code]), row[why].clone()])
-        .collect();
-    table("collection | file | code | first error", &rows) + &data.source()
-}
-
 /// The quotient of the numbers in a column of two rows, `file; row; row; column`.
 fn quotient(place: &str) -> f64 {
     let [file, row, other, column] = place.split("; ").collect::<Vec<_>>()[..] else {
@@ -257,15 +176,6 @@ fn quotient(place: &str) -> f64 {
     };
     let data = Data::load(file);
     data.number(&[row], column) / data.number(&[other], column)
-}
-
-/// Returns a file as a whole.
-pub(super) fn whole(data: &Data) -> String {
-    if data.titles.starts_with(&["quantity", "robot", "program"].map(String::from)) {
-        by_program(data)
-    } else {
-        data.shown()
-    }
 }
 
 /// Returns the text of the mark `name`, if it is made of measurements.
@@ -278,8 +188,6 @@ pub(super) fn text_of(name: &str) -> Option<String> {
         "batched-panda" => batched("panda"),
         "robots-in-short" => robots_in_short(),
         "collections-in-short" => collections_in_short(),
-        "collected" => refused_models(),
-        "gpu-in-short" => gpu_in_short(),
         "firmware" => firmware_in_short(),
         "f64-by-software" => range(firmware("instructions", "f64 by software")),
         "shared-flash" => range(per_cent("flash, with callees", "shared limbs")),

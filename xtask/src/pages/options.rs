@@ -30,33 +30,20 @@ fn on_the_page(row: &OptionRow) -> String {
     }
 }
 
-/// Returns the first columns of the table of some options.
-fn table(
-    rows: impl Iterator<Item = &'static OptionRow>,
-    columns: usize,
-    docs: fn(&OptionRow) -> String,
-) -> String {
-    let titles = ["option", "values", "default", "meaning", "example"];
+/// Returns a table of some options.
+fn table(rows: impl Iterator<Item = &'static OptionRow>, docs: fn(&OptionRow) -> String) -> String {
     // A bar in a table's cell has a backslash.
-    let escaped = |text: &str| text.replace('|', "\\|");
     let rows = rows.map(|row| {
         let form = if row.form == "links" { "[\"link\", ...]" } else { row.form };
-        let mut cells = vec![
-            format!("`{}`", row.name),
-            format!("`{}`", escaped(form)),
-            row.default.into(),
-            docs(row),
-            format!("`{}`", escaped(row.example)),
-        ];
-        cells.truncate(columns);
-        cells
+        let form = format!("`{}`", form.replace('|', "\\|"));
+        [format!("`{}`", row.name), form, row.default.into(), docs(row)]
     });
-    markdown(&titles[..columns].join(" | "), rows)
+    markdown("option | values | default | meaning", rows)
 }
 
 /// Returns the page's table.
 pub(super) fn whole() -> String {
-    table(OPTIONS.iter(), 5, on_the_page)
+    table(OPTIONS.iter(), on_the_page)
 }
 
 /// Returns the names of the options that only files have.
@@ -68,5 +55,5 @@ pub(super) fn of_files() -> String {
 /// Returns the table of the options that the macro has.
 pub(super) fn of_macro() -> String {
     let rows = OPTIONS.iter().filter(|row| row.entries == Entries::All);
-    table(rows, 4, |row| row.docs.trim().into())
+    table(rows, |row| row.docs.trim().into())
 }
