@@ -12,7 +12,7 @@ const DT: f64 = 0.001;
 fn main() {
     let goal = [0.4, -0.6, 0.2, -1.5, 0.3, 1.2, -0.5];
     let reference = Reference::<Arm7>::at_rest(goal);
-    let gains = Gains { stiffness: 225.0, damping: 30.0 };
+    let gains = Gains { kp: 225.0, kd: 30.0 };
     let mut state = State::<Arm7>::at_rest(Arm7::NEUTRAL);
     println!("computed torque: time (s), distance to the goal (rad)");
     for step in 0..=1000 {

@@ -70,22 +70,21 @@ pub fn close_loops(
     let mut interpreter = Interpreter::<f64>::new(model.clone());
     let settings = settings_of(model);
     let inactive = vec![false; model.contacts().len()];
-    let mut dq = vec![0.0; qd.len()];
-    let mut dqd = vec![0.0; qd.len()];
+    let [mut step_q, mut step_qd] = [(); 2].map(|()| vec![0.0; qd.len()]);
     for _ in 0..PROJECTIONS {
-        let outputs = ProjectionOutputs { step_q: &mut dq, step_qd: &mut dqd };
+        let outputs = ProjectionOutputs { step_q: &mut step_q, step_qd: &mut step_qd };
         interpreter
             .project_constraints(State { q: &q, qd: &qd }, &inactive, &settings, outputs)
             .map_err(shape)?;
         let before = q.clone();
-        interpreter.integrate(&before, &dq, &mut q).map_err(shape)?;
+        interpreter.integrate(&before, &step_q, &mut q).map_err(shape)?;
     }
     // Velocities come last: a redundant loop that is open can be locked.
-    let outputs = ProjectionOutputs { step_q: &mut dq, step_qd: &mut dqd };
+    let outputs = ProjectionOutputs { step_q: &mut step_q, step_qd: &mut step_qd };
     interpreter
         .project_constraints(State { q: &q, qd: &qd }, &inactive, &settings, outputs)
         .map_err(shape)?;
-    qd.iter_mut().zip(&dqd).for_each(|(v, d)| *v += d);
+    qd.iter_mut().zip(&step_qd).for_each(|(v, d)| *v += d);
     let twists = || vec![Twist::zero(); model.constraints()];
     let mut displacements = twists();
     let mut velocities = twists();

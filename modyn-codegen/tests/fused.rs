@@ -1,4 +1,5 @@
-//! Fused functions: their operations beside those of their functions, the errors of the option, and the text.
+//! Fused functions: their numbers of operations compared with the sums over their functions, the errors of the option
+//! `fused`, and the generated text.
 
 use modyn_codegen::options::Value;
 use modyn_codegen::plan::{Kernels, Planned};

@@ -403,14 +403,18 @@ fn bad_options_are_errors_without_a_place() {
         (Armature::new("jj", 1.0), "the options give it an armature, but it does not exist"),
         (Armature::new("j", -1.0), "joint `j`: -1 is not an armature"),
         (Armature::new("j", f64::NAN), "NaN is not an armature"),
-        (Armature::new("j", 1e80), "0 is not an armature"),
+        (Armature::new("j", 1e80), "1e80 is not an armature"),
     ] {
         let options = ReadOptions { armature: vec![bad], ..ReadOptions::default() };
         let errors = refused(&fixed, options);
         assert!(errors.len() == 1 && errors[0].contains(text), "{errors:?}");
     }
-    let (armature, rotors) = (vec![Armature::new("j", 1.0)], vec![rotor("j", 1.0, 1.0)]);
-    let errors = refused(&fixed, ReadOptions { armature, rotors, ..ReadOptions::default() });
+    let both = ReadOptions {
+        armature: vec![Armature::new("j", 1.0)],
+        rotors: vec![rotor("j", 1.0, 1.0)],
+        ..ReadOptions::default()
+    };
+    let errors = refused(&fixed, both);
     assert!(errors.len() == 1 && errors[0].contains("two armatures"), "{errors:?}");
     // All errors are reported at once, in linear time.
     let rotors = (0..50_000).map(|i| rotor(&format!("x{i}"), -1.0, 1.0)).collect();

@@ -369,10 +369,10 @@ pub struct ConstrainedInverseDynamics<V, W, T> {
 /// columns, with a row for each constraint row.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OperationalSpaceInertia<R, T> {
-    /// J M^-1 J^T with the mass matrix M, and the compliance of contacts, 1/kg (rotations 1/(kg
-    /// m^2)).
-    pub inverse: R,
-    /// The pseudo-inverse of `inverse`, kg (rotations kg m^2).
+    /// The Delassus matrix: J M^-1 J^T with the mass matrix M, and the compliance of contacts, 1/kg
+    /// (rotations 1/(kg m^2)).
+    pub delassus: R,
+    /// The pseudo-inverse of `delassus`, kg (rotations kg m^2).
     pub inertia: R,
     /// The number of independent constraint rows, an integer.
     pub rank: T,

@@ -181,7 +181,8 @@ fn costs<R: Robot>(solution: &ilqr::Solution<R>) -> String {
 
 /// Returns a displacement in words; further entries do not count.
 fn words(displacement: &[f64]) -> String {
-    let (length, angle) = (norm(&displacement[..3]), norm(&displacement[3..6]));
+    let length = norm(&displacement[..3]);
+    let angle = norm(&displacement[3..6]);
     format!("{:.2} mm and {:.2} mrad", 1e3 * length, 1e3 * angle)
 }
 

@@ -87,7 +87,7 @@ pub(crate) fn displaced(regulator: &Regulator<Arm>) -> State<Arm> {
 }
 
 /// The gains of the whole-body controller.
-pub(crate) const GAINS: Gains = Gains { stiffness: 400.0, damping: 40.0 };
+pub(crate) const GAINS: Gains = Gains { kp: 400.0, kd: 40.0 };
 
 /// The ground of the simulation, nearly rigid.
 const GROUND: StepSettings<f64, [ContactSurface<f64>; 4]> = StepSettings {

@@ -137,7 +137,7 @@ fn accelerations(
     let displacement = Quadruped::difference(&state.q, &reference.q);
     core::array::from_fn(|i| {
         let velocity = reference.qd[i] - state.qd[i];
-        reference.qdd[i] + gains.stiffness * displacement[i] + gains.damping * velocity
+        reference.qdd[i] + gains.kp * displacement[i] + gains.kd * velocity
     })
 }
 

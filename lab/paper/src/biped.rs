@@ -21,7 +21,7 @@ modyn::modyn! {
 }
 
 /// The paper's gains, K_p = 225 1/s^2 and K_d = 30 1/s.
-pub const GAINS: Gains = Gains { stiffness: 225.0, damping: 30.0 };
+pub const GAINS: Gains = Gains { kp: 225.0, kd: 30.0 };
 
 /// The simulated step.
 #[derive(Clone, Debug)]

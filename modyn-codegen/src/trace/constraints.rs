@@ -302,7 +302,7 @@ impl Tracer<'_> {
         })
     }
 
-    /// Returns the graph of the inverse operational-space inertia and the inertia, by columns, and
+    /// Returns the graph of the Delassus matrix and the operational-space inertia, by columns, and
     /// the rank. Inputs: `q`, active contacts and settings.
     #[must_use]
     pub fn operational_space_inertia(&self, layout: &UduLayout) -> Graph {
@@ -325,7 +325,7 @@ impl Tracer<'_> {
         self.trace_groups(groups, |model, [q, active, settings]| {
             let rows: usize = model.constraints.iter().map(|c| c.rows.len()).sum();
             let matrix = || vec![Expr::zero(); rows * rows];
-            let mut inverse = matrix();
+            let mut delassus = matrix();
             let mut inertia = matrix();
             let model = &self.with_column_lanes(model);
             let layout = &MergedUduLayout::new(model, layout.clone());
@@ -337,10 +337,10 @@ impl Tracer<'_> {
                 &q,
                 ConstraintInput { active: &active, settings: &settings_of(&settings) },
                 ConstraintWorkspaces { workspace: &mut Workspace::new(model), memory },
-                OperationalSpaceInertiaOutputs { inverse: &mut inverse, inertia: &mut inertia },
+                OperationalSpaceInertiaOutputs { delassus: &mut delassus, inertia: &mut inertia },
             );
             let operands = apart.map_or_else(Vec::new, |apart| apart.operands(memory));
-            [inverse, inertia, vec![rank], operands].concat()
+            [delassus, inertia, vec![rank], operands].concat()
         })
     }
 }
@@ -411,12 +411,11 @@ impl Unknowns {
                 [after, impulses.collect(), vec![rank]]
             }
             Self::Steps => {
-                let mut dq = vector();
-                let mut dqd = vector();
-                let outputs = ProjectionOutputs { step_q: &mut dq, step_qd: &mut dqd };
+                let [mut step_q, mut step_qd] = [vector(), vector()];
+                let outputs = ProjectionOutputs { step_q: &mut step_q, step_qd: &mut step_qd };
                 let solve = constraints::project_constraints;
                 let rank = solve(tree, layout, state, constraints, workspaces, outputs);
-                [[dq, dqd].concat(), Vec::new(), vec![rank]]
+                [[step_q, step_qd].concat(), Vec::new(), vec![rank]]
             }
         };
         let operands = apart.map_or_else(Vec::new, |apart| apart.operands(memory));

@@ -306,9 +306,9 @@ fn dense(model: &Model, state: &State, active: &[bool], settings: &Settings) -> 
     for (c, contact) in model.contacts().iter().enumerate().filter(|(c, _)| active[*c]) {
         let target = &settings.contacts[c];
         let found = frame(&mut interpreter, state, c);
-        let displacement = displacement(&found, target, contact.kind);
         let moving = target.velocity.components();
-        let displacement = displacement.each_ref().map(V3::as_slice).concat();
+        let parts = displacement(&found, target, contact.kind);
+        let displacement = parts.each_ref().map(V3::as_slice).concat();
         for k in 0..contact.kind.rows() {
             let row = found.jacobian.row(k);
             let velocity = (row * &qd)[0] - moving[k];
@@ -821,8 +821,9 @@ fn the_operational_space_inertia_is_the_inverse_of_what_the_dense_solution_says(
         let mut settings = settings.clone();
         settings.contacts.iter_mut().for_each(|target| target.compliance = 0.02);
         let rows = model.constraint_rows();
-        let (mut inverse, mut inertia) = (vec![0.0; rows * rows], vec![0.0; rows * rows]);
-        let into = OperationalSpaceInertiaOutputs { inverse: &mut inverse, inertia: &mut inertia };
+        let [mut delassus, mut inertia] = [(); 2].map(|()| vec![0.0; rows * rows]);
+        let into =
+            OperationalSpaceInertiaOutputs { delassus: &mut delassus, inertia: &mut inertia };
         let rank = interpreter.operational_space_inertia(&state.q, active, &settings, into);
         let (jacobian, kept) = dense_rows(model, &mut interpreter, state, active);
         let masses = dense_masses(model, &mut interpreter, &state.q);
@@ -832,7 +833,7 @@ fn the_operational_space_inertia_is_the_inverse_of_what_the_dense_solution_says(
         for (i, on) in on.clone().enumerate() {
             expected[(i, i)] += 0.02 * on / kept[i].2.powi(2);
         }
-        assert_near(&inverse, expected.as_slice(), 1e-9);
+        assert_near(&delassus, expected.as_slice(), 1e-9);
         let found = DMatrix::from_column_slice(rows, rows, &inertia) * expected;
         let identity = DMatrix::from_diagonal(&DVector::from_iterator(rows, on.clone()));
         assert_near(found.as_slice(), identity.as_slice(), 1e-7);
@@ -926,13 +927,14 @@ fn what_gets_compiled_of_the_other_functions_is_what_the_interpreter_computes() 
         let graph = optimize(tracer.evaluation(Function::ConstraintJacobianDotQd, model, None));
         assert_near(&graph.evaluate(&[&*state.q, &state.qd].concat()), &expected, 1e-11);
 
-        let (mut inverse, mut inertia) = (vec![0.0; rows * rows], vec![0.0; rows * rows]);
-        let into = OperationalSpaceInertiaOutputs { inverse: &mut inverse, inertia: &mut inertia };
+        let [mut delassus, mut inertia] = [(); 2].map(|()| vec![0.0; rows * rows]);
+        let into =
+            OperationalSpaceInertiaOutputs { delassus: &mut delassus, inertia: &mut inertia };
         let rank =
             interpreter.operational_space_inertia(&state.q, active, settings, into).expect("fits");
         let graph = optimize(tracer.operational_space_inertia(&layout));
         let found = graph.evaluate(&[&*state.q, &on, &numbers].concat());
-        assert_near(&found, &[inverse, inertia, vec![rank]].concat(), 1e-7);
+        assert_near(&found, &[delassus, inertia, vec![rank]].concat(), 1e-7);
     });
 }
 

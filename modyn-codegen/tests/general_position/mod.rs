@@ -149,7 +149,8 @@ impl Compiled {
 fn aligned(solution: &Solution, r: &Matrix3<f64>, scale: f64, lengths: &[bool]) -> Solution {
     let back = |six: &[f64; 6], linear: f64, angular: f64| {
         let to_link = |at: usize| r.transpose() * Vector3::new(six[at], six[at + 1], six[at + 2]);
-        let (first, second) = (to_link(0) / linear, to_link(3) / angular);
+        let first = to_link(0) / linear;
+        let second = to_link(3) / angular;
         [first.x, first.y, first.z, second.x, second.y, second.z]
     };
     let qdd = solution.qdd.iter().zip(lengths);
@@ -184,16 +185,16 @@ fn difference(found: &Solution, expected: &Solution) -> f64 {
 /// Projects to the closed loops; returns the rank of the last step.
 fn project(model: &Model, q: &mut [f64], qd: &mut [f64], steps: usize) -> usize {
     let mut interpreter = Interpreter::new(model.clone());
-    let (mut dq, mut dqd) = (vec![0.0; qd.len()], vec![0.0; qd.len()]);
+    let [mut step_q, mut step_qd] = [(); 2].map(|()| vec![0.0; qd.len()]);
     let mut rank = 0.0;
     for _ in 0..steps {
-        let into = ProjectionOutputs { step_q: &mut dq, step_qd: &mut dqd };
+        let into = ProjectionOutputs { step_q: &mut step_q, step_qd: &mut step_qd };
         let settings = ConstraintSettings::<f64>::DEFAULT;
         rank =
             interpreter.project_constraints(State { q, qd }, &[], &settings, into).expect("fits");
         let before = q.to_owned();
-        interpreter.integrate(&before, &dq, q).expect("fits");
-        qd.iter_mut().zip(&dqd).for_each(|(v, d)| *v += d);
+        interpreter.integrate(&before, &step_q, q).expect("fits");
+        qd.iter_mut().zip(&step_qd).for_each(|(v, d)| *v += d);
     }
     count(rank)
 }

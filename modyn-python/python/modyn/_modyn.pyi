@@ -1076,15 +1076,16 @@ class Robot:
     def operational_space_inertia(
         self, q: ArrayLike, contacts: ArrayLike | None = None, settings: ConstraintSettings | ArrayLike | None = None, *, out: OperationalSpaceInertia | None = None
     ) -> OperationalSpaceInertia:
-        """Returns the operational-space inertia of the constraints, its inverse J M^-1 J^T with the
-        mass matrix M, and the number of independent constraint rows. Each constraint has its
-        constrained rotations, then its constrained displacements, of a contact in world axes. The
-        entries of inactive contacts are zero. The inverse contains the compliance.
+        """Returns the Delassus matrix J M^-1 J^T of the constraints with the mass matrix M, its
+        pseudo-inverse, the operational-space inertia, and the number of independent constraint
+        rows. Each constraint has its constrained displacements, then its constrained rotations, of
+        a contact in world axes. The entries of inactive contacts are zero. The Delassus matrix
+        contains the compliance.
 
         Arguments: `q`: (nq,); `contacts`: the names of the active contacts, or (contacts,), 1 for
         each active one, else 0; by default all are; `settings`: `ConstraintSettings`, by default
         with the ground at z = 0 under all contacts.
-        Result: `OperationalSpaceInertia`: `inverse` (constraint rows, constraint rows), `inertia`
+        Result: `OperationalSpaceInertia`: `delassus` (constraint rows, constraint rows), `inertia`
         (constraint rows, constraint rows), `rank` a number. Several states have one more axis, the
         first.
         """

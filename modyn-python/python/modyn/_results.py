@@ -417,7 +417,7 @@ class LinearizedStep(NamedTuple):
 class OperationalSpaceInertia(NamedTuple):
     """The result of `operational_space_inertia`."""
 
-    inverse: NDArray[Any]
+    delassus: NDArray[Any]
     """(constraint rows, constraint rows)"""
     inertia: NDArray[Any]
     """(constraint rows, constraint rows)"""

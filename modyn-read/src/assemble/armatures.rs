@@ -56,7 +56,7 @@ pub fn apply(description: &mut Description, options: &ReadOptions, report: &mut 
 fn all(options: &ReadOptions) -> impl Iterator<Item = Given<'_>> {
     let is_good = |armature: f64| (0.0..MAX_NUMBER).contains(&armature);
     let direct = options.armature.iter().map(move |given| {
-        let message = || format!("{} is not an armature", given.inertia);
+        let message = || format!("{:?} is not an armature", given.inertia);
         let defect =
             (!is_good(given.inertia)).then(|| (message(), "give kg m^2 (or kg) of at least 0"));
         Given { joint: &given.joint, armature: given.inertia, defect }

@@ -237,13 +237,13 @@ impl<S: Scalar> Interpreter<S> {
         Ok(())
     }
 
-    /// Computes the inverse operational-space inertia J M^-1 J^T of the constraint rows (1/kg; the
-    /// Delassus matrix), with the compliance of contacts, and its pseudo-inverse (kg). Returns the
+    /// Computes the Delassus matrix J M^-1 J^T of the constraint rows (1/kg), with the compliance of
+    /// contacts, and its pseudo-inverse, the operational-space inertia (kg). Returns the
     /// number of independent rows, an integer.
     ///
     /// Both matrices are by columns, with a row for each constraint row
     /// ([`Model::constraint_rows`](crate::model::Model::constraint_rows)). Each constraint has its
-    /// constrained rotations, then its constrained displacements: in the first frame's axes for a
+    /// constrained displacements, then its constrained rotations: in the first frame's axes for a
     /// loop constraint, in world axes for a contact. The rows and columns of inactive contacts are
     /// zero.
     ///
@@ -259,7 +259,7 @@ impl<S: Scalar> Interpreter<S> {
     ) -> Result<S, ShapeError> {
         let rows = self.model.constraint_rows();
         self.check_coordinates(q)?;
-        check("inverse", outputs.inverse, rows * rows)?;
+        check("delassus", outputs.delassus, rows * rows)?;
         check("inertia", outputs.inertia, rows * rows)?;
         self.set_active(active, settings)?;
         Ok(self.solve_inertia(q, settings, outputs))

@@ -155,8 +155,8 @@ impl<S: Scalar> Interpreter<S> {
 
     /// Computes the state after the time `dt` (s) by the semi-implicit Euler method, and the
     /// gradients and the Hessian of `state_cotangent`^T state with respect to the state before the
-    /// step and tau. The 2 nv entries of the state_cotangent are the weights of q, then the weights
-    /// of qd.
+    /// step and tau. The first nv entries of `state_cotangent` are the weights of q, the others the
+    /// weights of qd.
     ///
     /// The Hessian is taken for displacements along [`integrate`](Self::integrate) before the step
     /// and along [`difference`](Self::difference) after it, both in the tangent space, and

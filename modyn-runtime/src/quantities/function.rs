@@ -209,11 +209,11 @@ pub enum Function {
     /// Returns the bias acceleration of each constraint: the time derivative of
     /// `constraint_jacobian` times `qd`, in the same axes.
     ConstraintJacobianDotQd,
-    /// Returns the operational-space inertia of the constraints, its inverse J M^-1 J^T with the
-    /// mass matrix M, and the number of independent constraint rows. Both matrices are arrays of
-    /// columns; each constraint has its constrained rotations, then its constrained displacements,
-    /// of a contact in world axes. The entries of inactive contacts are zero. The inverse contains
-    /// the compliance.
+    /// Returns the Delassus matrix J M^-1 J^T of the constraints with the mass matrix M, its
+    /// pseudo-inverse, the operational-space inertia, and the number of independent constraint
+    /// rows. Both matrices are arrays of columns; each constraint has its constrained
+    /// displacements, then its constrained rotations, of a contact in world axes. The entries of
+    /// inactive contacts are zero. The Delassus matrix contains the compliance.
     OperationalSpaceInertia,
     /// Returns the regressor Y of inverse dynamics, an array of columns: tau = Y pi, without
     /// armatures and friction. pi has ten entries for each moving link: mass, mass times centre of

@@ -271,7 +271,7 @@ pub fn constraint_twists(s: &Sizes) -> Shape {
 
 pub fn operational_space_inertia(s: &Sizes) -> Shape {
     let matrix = || Shape::matrix(s.constraint_rows, s.constraint_rows);
-    let fields = vec![("inverse", matrix()), ("inertia", matrix()), ("rank", Shape::Scalar)];
+    let fields = vec![("delassus", matrix()), ("inertia", matrix()), ("rank", Shape::Scalar)];
     named_fields("OperationalSpaceInertia", fields)
 }
 

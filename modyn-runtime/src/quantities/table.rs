@@ -663,11 +663,12 @@ pub const ROWS: &[Row] = &[
         known_as: &["operational-space inertia", "Delassus matrix"],
         arguments: &[Q, CONTACTS, SETTINGS],
         result: shapes::operational_space_inertia,
-        docs: "Returns the operational-space inertia of the constraints, its inverse J M^-1 J^T \
-            with the mass matrix M, and the number of independent constraint rows. Both matrices \
-            are arrays of columns; each constraint has its constrained rotations, then its \
-            constrained displacements, of a contact in world axes. The entries of inactive \
-            contacts are zero. The inverse contains the compliance.",
+        docs: "Returns the Delassus matrix J M^-1 J^T of the constraints with the mass matrix M, \
+            its pseudo-inverse, the operational-space inertia, and the number of independent \
+            constraint rows. Both matrices are arrays of columns; each constraint has its \
+            constrained displacements, then its constrained rotations, of a contact in world \
+            axes. The entries of inactive contacts are zero. The Delassus matrix contains the \
+            compliance.",
         batch: Some(Function::OperationalSpaceInertiaBatch),
         ..Row::CONSTRAINED
     },

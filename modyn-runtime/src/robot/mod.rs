@@ -1915,11 +1915,11 @@ pub trait Robot {
         const { not_generated() }
     }
 
-    /// Returns the operational-space inertia of the constraints, its inverse J M^-1 J^T with the
-    /// mass matrix M, and the number of independent constraint rows. Both matrices are arrays of
-    /// columns; each constraint has its constrained rotations, then its constrained displacements,
-    /// of a contact in world axes. The entries of inactive contacts are zero. The inverse contains
-    /// the compliance.
+    /// Returns the Delassus matrix J M^-1 J^T of the constraints with the mass matrix M, its
+    /// pseudo-inverse, the operational-space inertia, and the number of independent constraint
+    /// rows. Both matrices are arrays of columns; each constraint has its constrained
+    /// displacements, then its constrained rotations, of a contact in world axes. The entries of
+    /// inactive contacts are zero. The Delassus matrix contains the compliance.
     #[doc(alias = "operational-space inertia")]
     #[doc(alias = "Delassus matrix")]
     fn operational_space_inertia_with<T: Scalar>(

@@ -9,7 +9,7 @@
 //!     let reference = Reference::<R>::at_rest(goal);
 //!     for _ in 0..1000 {
 //!         state = state.runge_kutta_4(0.001, |state| {
-//!             let gains = Gains { stiffness: 225.0, damping: 30.0 };
+//!             let gains = Gains { kp: 225.0, kd: 30.0 };
 //!             let tau = state.computed_torque(&reference, gains);
 //!             R::forward_dynamics(&state.q, &state.qd, &tau)
 //!         });
@@ -62,10 +62,10 @@ pub struct Reference<R: Robot, T: Scalar = f64> {
 /// The gains of a proportional-derivative controller, from errors to accelerations.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gains<T = f64> {
-    /// The acceleration per displacement, 1/s^2.
-    pub stiffness: T,
-    /// The acceleration per velocity error, 1/s.
-    pub damping: T,
+    /// The proportional gain: the acceleration per displacement, 1/s^2.
+    pub kp: T,
+    /// The derivative gain: the acceleration per velocity error, 1/s.
+    pub kd: T,
 }
 
 /// Returns a + factor b, entry by entry.
@@ -166,7 +166,7 @@ impl<R: Robot, T: Scalar> State<R, T> {
     ///
     /// /// The joint forces that bring the robot to rest at `goal`, critically damped at 15 rad/s.
     /// fn hold<R: Robot + functions::Defaults>(state: &State<R>, goal: R::Q<f64>) -> R::V<f64> {
-    ///     state.computed_torque(&Reference::at_rest(goal), Gains { stiffness: 225.0, damping: 30.0 })
+    ///     state.computed_torque(&Reference::at_rest(goal), Gains { kp: 225.0, kd: 30.0 })
     /// }
     /// ```
     #[must_use]
@@ -190,8 +190,8 @@ impl<R: Robot, T: Scalar> State<R, T> {
     {
         let displacement = R::difference(&self.q, &reference.q);
         let velocity = add_scaled(&reference.qd, -T::one(), &self.qd);
-        let pulled = add_scaled(&reference.qdd, gains.stiffness, &displacement);
-        let qdd = add_scaled(&pulled, gains.damping, &velocity);
+        let pulled = add_scaled(&reference.qdd, gains.kp, &displacement);
+        let qdd = add_scaled(&pulled, gains.kd, &velocity);
         R::inverse_dynamics_with(params, &self.q, &self.qd, &qdd)
     }
 }

@@ -157,7 +157,7 @@ fn semi_implicit_euler_is_stable_up_to_two_over_the_frequency() {
     assert!(farthest(2.1) > 1e10, "{:e}", farthest(2.1));
 }
 
-const GAINS: Gains = Gains { stiffness: 100.0, damping: 20.0 };
+const GAINS: Gains = Gains { kp: 100.0, kd: 20.0 };
 
 #[test]
 fn computed_torque_brings_a_robot_to_its_goal() {
@@ -232,7 +232,7 @@ fn single_precision_gets_there_too() {
     let goal: <R as Robot>::Q<f32> = array(&single(&state_of("zoo7423_7", 2).q));
     let goal = Reference::<R, f32>::at_rest(goal);
     let mut state = State::<R, f32>::at_rest(array(&single(&state_of("zoo7423_7", 1).q)));
-    let gains = Gains { stiffness: 100.0, damping: 20.0 };
+    let gains = Gains { kp: 100.0, kd: 20.0 };
     for _ in 0..400 {
         state = state.runge_kutta_4(0.01, |at| {
             let tau = at.computed_torque(&goal, gains);

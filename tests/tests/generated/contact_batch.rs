@@ -134,7 +134,7 @@ fields! {
     ConstrainedInverseDynamics<V, W, X> { tau: V, wrenches: W, rank: X }
     ConstraintResidual<R> { displacements: R, velocities: R }
     ConstraintProjection<V, X> { step_q: V, step_qd: V, rank: X }
-    OperationalSpaceInertia<M, X> { inverse: M, inertia: M, rank: X }
+    OperationalSpaceInertia<M, X> { delassus: M, inertia: M, rank: X }
 }
 
 fields! { take

@@ -122,7 +122,7 @@ fn calls_with_parameters_allocate_nothing() {
             JointZoo::random_configuration(|| 0.5),
         ));
         let goal = Reference::<JointZoo>::at_rest(moved);
-        let gains = Gains { stiffness: 1.0, damping: 2.0 };
+        let gains = Gains { kp: 1.0, kd: 2.0 };
         let next = State::<JointZoo>::at_rest(q).runge_kutta_4(0.01, |state| {
             let tau = state.computed_torque(&goal, gains);
             JointZoo::forward_dynamics(&state.q, &state.qd, &tau)

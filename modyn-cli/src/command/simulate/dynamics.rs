@@ -244,18 +244,18 @@ impl<'a> Dynamics<'a> {
         let before = state.clone();
         let mut change = [vec![0.0; state.qd.len()], vec![0.0; state.qd.len()]];
         for _ in 0..PROJECTIONS {
-            let [dq, dqd] = &mut change;
+            let [step_q, step_qd] = &mut change;
             let settings = &self.constraint_settings;
             let open = equations::State { q: &state.q, qd: &state.qd };
             self.interpreter.project_constraints(
                 open,
                 &self.inactive,
                 settings,
-                ProjectionOutputs { step_q: dq, step_qd: dqd },
+                ProjectionOutputs { step_q, step_qd },
             )?;
             let q = state.q.clone();
-            self.interpreter.integrate(&q, dq, &mut state.q)?;
-            state.qd.iter_mut().zip(dqd).for_each(|(v, d)| *v += *d);
+            self.interpreter.integrate(&q, step_q, &mut state.q)?;
+            state.qd.iter_mut().zip(step_qd).for_each(|(v, d)| *v += *d);
         }
         Ok(adaptive::largest_difference(state, &before, &before))
     }

@@ -13,7 +13,7 @@
 ///
 /// Vectors are in the order of the description's joints, depth first. Quaternions are x, y, z, w. Twists, the
 /// columns of Jacobians and the velocity of a floating joint are linear, then angular; wrenches are the force, then
-/// the moment. A floating joint moves in the axes of its link. No function allocates memory or throws.
+/// the moment. The velocity of a floating joint is in the axes of its link. No function allocates memory or throws.
 class @CLASS@ {
 public:
     using Scalar = @REAL@;

@@ -240,10 +240,10 @@ impl Robot<'_> {
              lower: &[{}],\nupper: &[{}],\nvelocity: &[{}],\neffort: &[{}],\n}};\n\
              /// The armature (rotor inertia) at each degree of freedom, kg m^2 or kg; part of the dynamics.\n\
              pub const ARMATURE: [f64; {n}] = [{}];\n\
-             /// The description's viscous damping, N m s/rad or N s/m. It acts if the option
+             /// The description's viscous damping, N m s/rad or N s/m. It acts if the option\n\
              /// `joint_friction` enables it.\n\
              pub const DAMPING: [f64; {n}] = [{}];\n\
-             /// The description's Coulomb friction, N m or N. It acts if the option
+             /// The description's Coulomb friction, N m or N. It acts if the option\n\
              /// `joint_friction` enables it.\n\
              pub const FRICTION: [f64; {n}] = [{}];",
             list(nq, &|i, _| self.model.coordinate_range(i)[0]),

@@ -91,7 +91,7 @@ pub struct ConstrainedInverseOutputs<'a, S> {
 #[derive(Debug)]
 pub struct OperationalSpaceInertiaOutputs<'a, S> {
     /// J M^-1 J^T.
-    pub inverse: &'a mut [S],
+    pub delassus: &'a mut [S],
     /// The pseudo-inverse of J M^-1 J^T.
     pub inertia: &'a mut [S],
 }

@@ -24,7 +24,7 @@ pub fn operational_space_inertia<S: Scalar, T: Factorizable<S>, C: AsRef<[Contac
     q: &[S],
     ConstraintInput { active, settings }: ConstraintInput<'_, S, C>,
     ConstraintWorkspaces { workspace, memory }: ConstraintWorkspaces<'_, S>,
-    OperationalSpaceInertiaOutputs { inverse, inertia }: OperationalSpaceInertiaOutputs<'_, S>,
+    OperationalSpaceInertiaOutputs { delassus, inertia }: OperationalSpaceInertiaOutputs<'_, S>,
 ) -> S {
     let model = tree.mechanism();
     brge::factorize(tree, layout.layout(), q, workspace, &mut memory.factors);
@@ -38,7 +38,7 @@ pub fn operational_space_inertia<S: Scalar, T: Factorizable<S>, C: AsRef<[Contac
     memory.fill(tree, layout, ConstraintInput { active, settings });
     let rows = memory.rows;
     let length = |row: usize| memory.row_length(model, row);
-    for (j, column) in inverse.chunks_mut(rows.max(1)).enumerate() {
+    for (j, column) in delassus.chunks_mut(rows.max(1)).enumerate() {
         for (i, entry) in column.iter_mut().enumerate() {
             *entry = memory.factorization.entry(i, j) * (length(i) * length(j)).recip();
         }

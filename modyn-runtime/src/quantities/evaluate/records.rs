@@ -135,9 +135,9 @@ impl<S: Scalar> Call<'_, S> {
 
     pub(super) fn operational_space_inertia(self) {
         let Self { robot, given, out } = self;
-        let [inverse, inertia, rank] = out.parts();
+        let [delassus, inertia, rank] = out.parts();
         robot.activate(&given[CONTACTS]);
-        let outputs = OperationalSpaceInertiaOutputs { inverse, inertia };
+        let outputs = OperationalSpaceInertiaOutputs { delassus, inertia };
         rank[0] = robot.solve_inertia(&given[Q], &given.settings(), outputs);
     }
 }

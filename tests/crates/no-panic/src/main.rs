@@ -90,7 +90,7 @@ fn call_all() {
     black_box((Zoo::normalize_configuration(&moved), Zoo::random_configuration(|| black_box(0.5))));
     black_box((black_box(ZooJoint::Wrist).coordinates(), black_box(ZooJoint::Wrist).velocities()));
     let goal = Reference::<Zoo>::at_rest(moved);
-    let gains = Gains { stiffness: 1.0, damping: 2.0 };
+    let gains = Gains { kp: 1.0, kd: 2.0 };
     let next = State::<Zoo>::at_rest(q).runge_kutta_4(0.01, |state| {
         let tau = state.computed_torque(&goal, gains);
         Zoo::forward_dynamics(&state.q, &state.qd, &tau)
