@@ -185,7 +185,7 @@ fn steps_reach_the_default_tolerance() {
         [(normal, default, 6.0, 1e-4), (stiff, 1e-3, 12.0, 2e-2)]
     {
         let surfaces = [surface; 4].into_iter().flat_map(|surface| surface.numbers());
-        let settings: Vec<f64> = [tolerance, 1.0].into_iter().chain(surfaces).collect();
+        let settings: Vec<f64> = [tolerance, 1.0, 0.0].into_iter().chain(surfaces).collect();
         let mut touching = 0;
         for _ in 0..8 {
             let mut q = vec![0.0; nq];

@@ -66,6 +66,7 @@ fn compare(builder: &Builder, function: Function) -> Comparison {
         let velocities: Vec<f64> = (0..model.nv()).map(|_| next()).collect();
         let mut settings = model.step_settings();
         settings.tolerance = 1e-13;
+        settings.coulomb = 0.7;
         let sizes = &planning.plan.sizes;
         let mut vector =
             |count: usize, size: f64| -> Vec<f64> { (0..count).map(|_| size * next()).collect() };

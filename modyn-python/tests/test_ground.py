@@ -38,7 +38,7 @@ def scene(n=24, seed=0, **options):
     kinds = [dict(friction=0.1, radius=0.02), dict(friction=1.5, margin=0.01, solref=(0.01, 1.2), solimp=(0.6, 0.8, 0.1, 0.4))]
     surfaces = [surface(rng, 0.4 * k - 0.2, **kind) for k, kind in enumerate(kinds)]
     tolerance = 1e-12 if robot.dtype == np.float64 else None
-    return robot, q, qd, tau, np.asarray(StepSettings(surfaces, tolerance=tolerance, impratio=2.0), robot.dtype)
+    return robot, q, qd, tau, np.asarray(StepSettings(surfaces, tolerance=tolerance, impratio=2.0, coulomb=0.4), robot.dtype)
 
 
 def modes(forces, friction):
@@ -73,6 +73,19 @@ def test_a_quadruped_stands():
     assert np.abs(state.qd).max() < 0.01
     weight = robot.gravity_torques(robot.neutral())[2]
     close(state.forces[:, 2].sum(), weight, 1e-3)
+
+
+def test_a_quadruped_stands_on_rigid_contacts():
+    robot, q = quadruped()
+    settings = robot.step_settings().rigid()
+    state = robot.step(q, np.zeros(robot.nv), np.zeros(robot.nv), 0.002, settings=settings)
+    for _ in range(400):
+        state = robot.step(state.q, state.qd, hold(robot, q, state), 0.002, state.qdd, settings)
+        assert state.residual < 1e-8
+    heights = [robot.link_pose(state.q, foot).translation[2] for foot in FEET]
+    # By the default settings, feet sink by 3 mm.
+    assert np.abs(heights).max() < 2e-5 and np.abs(state.qd).max() < 1e-3
+    close(state.forces[:, 2].sum(), robot.gravity_torques(robot.neutral())[2], 1e-3)
 
 
 @pytest.mark.parametrize("machine_code", [True, False])
@@ -148,7 +161,7 @@ def test_the_heights_of_the_ground():
     of_planes = robot.rollout_vjp(**arguments, **weights, settings=planes)
     close(of_field.controls, of_planes.controls, 1e-4)
     # The planes are those of the field: those of the settings have no effect.
-    each = lambda settings: settings[..., 2:].reshape(*settings.shape[:-1], 4, 23)
+    each = lambda settings: settings[..., 3:].reshape(*settings.shape[:-1], 4, 23)
     close(each(of_field.settings)[..., 12:], each(of_planes.settings)[..., 12:], 1e-4)
     assert not each(of_field.settings)[..., :12].any() and each(of_planes.settings)[..., :12].any()
     policy = lambda time, q_now, qd_now: controls[0, round(time / 0.002)]
@@ -231,7 +244,7 @@ def test_gradients_are_those_of_differences(steps, trajectory):
             if name == "controls" and steps > 10:
                 continue
             # Rotations that are none have no meaning, and some settings are at the ends of their ranges.
-            varied = True if name != "settings" else np.r_[0, 1, np.tile(np.r_[np.zeros(9), np.ones(14)], 2)] * (np.abs(x) > 1e-6) > 0
+            varied = True if name != "settings" else np.r_[0, 1, 1, np.tile(np.r_[np.zeros(9), np.ones(14)], 2)] * (np.abs(x) > 1e-6) > 0
             wide = 1 if name != "dt" else 0.1
             fine, coarse = (derivative(lambda x: total(**{name: x}), x, step * wide, varied) for step in (1e-7, 4e-7))
             of_name = getattr(gradient, name).ravel()

@@ -95,8 +95,12 @@ const TARGET: [(&str, SettingRange, usize); 9] = [
     ("weight", SettingRange::Positive, 1),
 ];
 
-/// The names of [`StepSettings::numbers`](crate::StepSettings::numbers).
-const STEP_SETTINGS: [&str; 2] = ["tolerance", "impratio"];
+/// The names and the ranges of [`StepSettings::numbers`].
+const STEP_SETTINGS: [(&str, SettingRange); StepSettings::<f64>::COUNT] = [
+    ("tolerance", SettingRange::Positive),
+    ("impratio", SettingRange::Positive),
+    ("coulomb", SettingRange::UpToOne),
+];
 
 /// The names, the ranges and the counts of the numbers of [`ContactSurface::numbers`].
 const SURFACE: [(&str, SettingRange, usize); 9] = [
@@ -185,8 +189,8 @@ pub fn check_settings<T: Copy + Into<f64>>(numbers: &[T]) -> Result<(), SettingE
 /// If a number is not finite or outside of its range.
 pub fn check_step_settings<T: Copy + Into<f64>>(numbers: &[T]) -> Result<(), SettingError> {
     let (settings, surfaces) = numbers.split_at(STEP_SETTINGS.len().min(numbers.len()));
-    for (name, &number) in STEP_SETTINGS.iter().zip(settings) {
-        SettingRange::Positive.check(name, SettingPlace::Settings, number.into())?;
+    for ((name, range), &number) in STEP_SETTINGS.iter().zip(settings) {
+        range.check(name, SettingPlace::Settings, number.into())?;
     }
     for (contact, surface) in surfaces.chunks_exact(ContactSurface::<f64>::COUNT).enumerate() {
         check_numbers(contact, &SURFACE, surface)?;
@@ -247,7 +251,8 @@ impl<T: Copy + Into<f64>> ContactSurface<T> {
 
 impl<T: Copy + Into<f64>, C: AsRef<[ContactSurface<T>]>> StepSettings<T, C> {
     /// Checks that all settings are finite and within their ranges: the tolerance and `impratio`
-    /// are above zero, radii and frictions are not negative, and rotations are rotations.
+    /// are above zero, `coulomb` is from 0 to 1, radii and frictions are not negative, and rotations
+    /// are rotations.
     ///
     /// # Errors
     ///

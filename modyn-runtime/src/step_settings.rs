@@ -19,6 +19,10 @@ pub struct StepSettings<T, C = [ContactSurface<T>; 0]> {
     pub tolerance: T,
     /// How many times stiffer friction is than the normal direction.
     pub impratio: T,
+    /// The share of Coulomb's law in sliding, from 0 (MuJoCo's law) to 1. By MuJoCo's law a sliding
+    /// contact separates at the speed of its slip times the friction; this share of that speed, by the
+    /// slip before the step, is subtracted.
+    pub coulomb: T,
     /// The surface at each contact.
     pub contacts: C,
 }
@@ -50,19 +54,19 @@ pub struct ContactSurface<T> {
 
 impl<T: Copy, C> StepSettings<T, C> {
     /// The number of settings before the surfaces of contacts.
-    pub const COUNT: usize = 2;
+    pub const COUNT: usize = 3;
 
-    /// Returns the settings from the tolerance and `impratio`.
+    /// Returns the settings from the tolerance, `impratio` and `coulomb`.
     #[must_use]
-    pub fn from_numbers([tolerance, impratio]: [T; 2], contacts: C) -> Self {
-        Self { tolerance, impratio, contacts }
+    pub fn from_numbers([tolerance, impratio, coulomb]: [T; 3], contacts: C) -> Self {
+        Self { tolerance, impratio, coulomb, contacts }
     }
 
-    /// Returns the tolerance and `impratio`. In an array of all settings, the numbers of the
-    /// surfaces follow.
+    /// Returns the tolerance, `impratio` and `coulomb`. In an array of all settings, the numbers of
+    /// the surfaces follow.
     #[must_use]
-    pub fn numbers(&self) -> [T; 2] {
-        [self.tolerance, self.impratio]
+    pub fn numbers(&self) -> [T; 3] {
+        [self.tolerance, self.impratio, self.coulomb]
     }
 }
 
@@ -112,7 +116,7 @@ impl<T: Copy> ContactSurface<T> {
 }
 
 macro_rules! defaults {
-    ($float:ty, $tolerance:literal) => {
+    ($float:ty, $tolerance:literal, $impedance:literal) => {
         impl ContactSurface<$float> {
             /// No rounding, and the plane z = 0 of the world, with MuJoCo's default friction and softness.
             pub const GROUND: Self = Self {
@@ -136,12 +140,29 @@ macro_rules! defaults {
             }
         }
 
+        impl<C: AsMut<[ContactSurface<$float>]>> StepSettings<$float, C> {
+            /// Returns the settings with nearly rigid contacts for all time steps: a contact's motion
+            /// into the plane, or along it if it sticks, ends within a step, and sliding follows
+            /// Coulomb's law. A violation decays by a sixteenth per step.
+            #[must_use]
+            pub fn rigid(mut self) -> Self {
+                self.coulomb = 1.0;
+                for surface in self.contacts.as_mut() {
+                    // A time constant below two time steps acts as two time steps.
+                    surface.solref = [1e-6, 2.0];
+                    surface.solimp = [$impedance, $impedance, 0.001, 0.5];
+                }
+                self
+            }
+        }
+
         impl<const N: usize> StepSettings<$float, [ContactSurface<$float>; N]> {
-            /// The plane z = 0 of the world, `impratio` 1, and a tolerance that the number type
-            /// reaches.
+            /// The plane z = 0 of the world, `impratio` 1, MuJoCo's law, and a tolerance that the
+            /// number type reaches.
             pub const DEFAULT: Self = Self {
                 tolerance: $tolerance,
                 impratio: 1.0,
+                coulomb: 0.0,
                 contacts: [ContactSurface::<$float>::GROUND; N],
             };
         }
@@ -154,5 +175,5 @@ macro_rules! defaults {
     };
 }
 
-defaults!(f64, 1e-8);
-defaults!(f32, 1e-4);
+defaults!(f64, 1e-8, 0.999);
+defaults!(f32, 1e-4, 0.99);

@@ -29,6 +29,7 @@ mod operation_counts;
 mod output;
 mod pages;
 mod regressor;
+mod rigid_steps;
 mod rotors;
 mod scale;
 mod shapes;

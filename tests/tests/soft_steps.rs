@@ -139,6 +139,7 @@ fn steps_are_those_of_mujoco() {
             let settings = StepSettings {
                 tolerance: 1e-12,
                 impratio: number(&file["ratio"]),
+                coulomb: 0.0,
                 contacts: &*contacts,
             };
             let [q, qd, tau] = ["q", "qd", "tau"].map(|name| numbers(&state[name]));
@@ -356,7 +357,7 @@ fn forces_and_accelerations_are_in_equilibrium() {
             let mut inertial = vec![0.0; nv];
             robot.inverse_dynamics(q, qd, qdd, &mut inertial).expect("lengths");
             let mut applied = tau.clone();
-            let surfaces = given[5][2..].as_chunks().0.iter();
+            let surfaces = given[5][StepSettings::<f64>::COUNT..].as_chunks().0.iter();
             let forces = found[nq + 2 * nv..].as_chunks::<3>().0;
             for ((contact, surface), force) in model.contacts().iter().zip(surfaces).zip(forces) {
                 let surface = ContactSurface::from_numbers(*surface);
@@ -614,7 +615,7 @@ fn set(given: &mut [Vec<f64>], setting: usize, number: f64) {
 
 fn set_surfaces(given: &mut [Vec<f64>], place: usize, number: f64) {
     let settings = given.last_mut().expect("the settings are last");
-    for surface in settings[2..].chunks_mut(ContactSurface::<f64>::COUNT) {
+    for surface in settings[StepSettings::<f64>::COUNT..].chunks_mut(ContactSurface::<f64>::COUNT) {
         surface[place] = number;
     }
 }

@@ -258,6 +258,7 @@ pub(super) fn docs_of_field(record: &str, field: &str) -> Option<&'static str> {
         ("step_settings", "impratio") => {
             "how many times stiffer friction is than the normal direction"
         }
+        ("step_settings", "coulomb") => "the share of Coulomb's law in sliding, 0 to 1",
         _ => return None,
     })
 }

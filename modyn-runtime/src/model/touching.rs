@@ -269,11 +269,12 @@ impl Model {
     /// [`touching_shapes`](Self::touching_shapes).
     #[must_use]
     pub fn step_settings(&self) -> StepSettings<f64, Vec<ContactSurface<f64>>> {
-        let StepSettings { tolerance, impratio, .. } = StepSettings::<f64>::DEFAULT;
+        let StepSettings { tolerance, impratio, coulomb, .. } = StepSettings::<f64>::DEFAULT;
         let shapes = self.touching_shapes().into_iter();
         StepSettings {
             tolerance,
             impratio: self.soft_constraints.impratio.unwrap_or(impratio),
+            coulomb,
             contacts: shapes.map(|shape| shape.surface).collect(),
         }
     }

@@ -347,6 +347,7 @@ pub fn step_settings(s: &Sizes) -> Shape {
     let fields = vec![
         ("tolerance", Shape::Scalar),
         ("impratio", Shape::Scalar),
+        ("coulomb", Shape::Scalar),
         ("contacts", surface.array(s.touching_shapes)),
     ];
     named_fields("StepSettings", fields)

@@ -32,7 +32,8 @@ fn steps_on_a_ramp_are_steps_on_its_plane() {
     let field = HeightField::new([-4.0, -2.0], [8.0, 2.0], 2, heights).expect("a grid");
     let settings = Standing::model().step_settings();
     let contacts: [ContactSurface<f64>; 3] = settings.contacts.try_into().expect("three");
-    let settings = StepSettings { tolerance: 1e-12, impratio: settings.impratio, contacts };
+    let StepSettings { impratio, coulomb, .. } = settings;
+    let settings = StepSettings { tolerance: 1e-12, impratio, coulomb, contacts };
     let mut q = Standing::NEUTRAL;
     (q[0], q[1], q[2]) = (0.3, -0.4, 0.6);
     let start = State::<Standing>::at_rest(q);
@@ -74,7 +75,8 @@ fn shapes_on_a_floor_are_generated() {
     assert_eq!(Standing::TOUCHING_SHAPE_NAMES, ["belly", "shank", "heel"]);
     let settings = model.step_settings();
     let contacts: [ContactSurface<f64>; 3] = settings.contacts.try_into().expect("three");
-    let settings = StepSettings { tolerance: 1e-12, impratio: settings.impratio, contacts };
+    let StepSettings { impratio, coulomb, .. } = settings;
+    let settings = StepSettings { tolerance: 1e-12, impratio, coulomb, contacts };
     let mut interpreter = Interpreter::<f64>::new(model);
     let mut q = [0.1, 0.2, -0.35, 0.1, 0.2, 0.3, 0.9, 1.2];
     interpreter.normalize_configuration(&mut q).expect("lengths");

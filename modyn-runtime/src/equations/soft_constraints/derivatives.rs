@@ -11,7 +11,8 @@
 //! The changes of inverse dynamics are its derivatives in closed form. A wrench depends on the
 //! body's pose, and on its velocity and acceleration along the rows: these enter the laws as the
 //! sum of the acceleration and of the velocity times the damping of the softness, so the change by
-//! the velocity is that damping times the change by the acceleration, the stiffness of the law.
+//! the velocity is that damping times the change by the acceleration, the stiffness of the law. The
+//! share of Coulomb's law adds the change by the normal's acceleration times a change by the slip.
 //!
 //! In the axes of a touching body let S_j be the twist of the body at unit rate of joint j, and V
 //! the twist of the body in front of joint j, there or by accelerations in place of rates. Then
@@ -280,28 +281,31 @@ impl<S: Scalar> Equations<S> {
         let touching: BTreeSet<usize> = shapes.map(|contact| contact.body).collect();
         for body in touching {
             let motion = TouchingMotion::new(problem, body);
-            let GroundWrench { wrench, by_pose, stiffness, damping } =
-                motion.wrench(problem, constraints, laws);
+            let ground = motion.wrench(problem, constraints, laws);
+            let GroundWrench { wrench, by_pose, stiffness, damping, .. } = &ground;
             for (k, joint) in motion.joints.iter().enumerate() {
                 let turned = |front| cross(front, joint.twist);
                 let mut moved = Wrench::zero();
-                for PoseChange { direction, change } in &by_pose {
+                for PoseChange { direction, change } in by_pose {
                     let share = joint.displacement.angular.dot(direction.angular)
                         + joint.displacement.linear.dot(direction.linear);
                     moved += change.scale(share);
                 }
                 let moved = moved
                     - damping.times(&turned(joint.velocity_in_front))
+                    - ground.by_slip(turned(joint.velocity_in_front))
                     - stiffness.times(&turned(joint.acceleration_in_front));
                 let stiff = stiffness.times(&joint.twist);
                 let damped = damping.times(&joint.twist);
+                let slipping = ground.by_slip(joint.twist);
                 for (i, row) in motion.joints.iter().enumerate() {
                     let mut change = power(row.twist, moved);
                     if row.body < joint.body {
-                        change = change + power(turned(row.twist), wrench);
+                        change = change + power(turned(row.twist), *wrench);
                     }
                     let add = |sum: &mut S, change: S| *sum = *sum + change;
                     add(&mut self.by_q[joint.v][row.v], change);
+                    add(&mut self.by_qd[joint.v][row.v], -power(row.twist, slipping));
                     if i > k {
                         continue;
                     }
@@ -385,8 +389,19 @@ struct GroundWrench<S> {
     by_pose: Vec<PoseChange<S>>,
     /// Minus the change with the acceleration.
     stiffness: ArticulatedInertia<S>,
-    /// Minus the change with the velocity.
+    /// Minus the change with the velocity, without that of `slips`.
     damping: ArticulatedInertia<S>,
+    /// [`ContactRows::change_by_slip`] of each contact.
+    slips: Vec<[Wrench<S>; 2]>,
+}
+
+impl<S: Scalar> GroundWrench<S> {
+    /// Returns minus the change with a velocity by the slip of the contacts.
+    fn by_slip(&self, twist: Twist<S>) -> Wrench<S> {
+        let changes = self.slips.iter();
+        let changes = changes.map(|&[change, closing]| change.scale(power(twist, closing)));
+        changes.fold(Wrench::zero(), |sum, change| sum + change)
+    }
 }
 
 /// The change of a wrench with a displacement of the body along a direction. The twist of the body
@@ -446,6 +461,7 @@ impl<S: Scalar> TouchingMotion<S> {
         let StepConstraints { soft, settings } = constraints;
         let mut wrench = Wrench::zero();
         let [mut stiffness, mut damping] = [0; 2].map(|_| ArticulatedInertia::<S>::zero());
+        let mut slips = Vec::new();
         let rows = (problem.contacts.iter().zip(&laws.contacts))
             .filter(|(contact, _)| contact.body == self.body);
         for (contact, response) in rows.clone() {
@@ -457,12 +473,15 @@ impl<S: Scalar> TouchingMotion<S> {
             wrench += self.moved(contact.place, contact.wrench_at_place(&response.force));
             stiffness = stiffness + inertia;
             damping = damping + inertia.scaled(contact.damping);
+            let change = contact.change_by_slip(response);
+            slips.push(change.map(|wrench| self.moved(contact.place, wrench)));
         }
 
         let constant = Tangent::constant;
         let options = ContactOptions {
             cone: soft.cone,
             ratio: constant(settings.impratio),
+            coulomb: constant(settings.coulomb),
             dt: constant(problem.input.step.dt),
         };
         let contacts = (soft.contacts.iter().zip(settings.contacts.as_ref()))
@@ -510,6 +529,7 @@ impl<S: Scalar> TouchingMotion<S> {
                 .collect(),
             stiffness,
             damping,
+            slips,
         }
     }
 

@@ -260,6 +260,37 @@ impl<S: Scalar> ContactLaw<S> {
     }
 }
 
+/// The speed along the normal at which a contact slides without force by a cone.
+pub(super) struct Separation<S> {
+    /// The speed, m/s.
+    pub speed: S,
+    /// Its derivative by the rate of each component but the normal.
+    pub by_rate: Vec<S>,
+}
+
+/// Returns the separation of a contact whose components but the normal have these rates.
+pub(super) fn separation<S: Scalar>(cone: Cone, friction: &[S], rates: &[S]) -> Separation<S> {
+    let zero = S::zero();
+    let scaled = || friction.iter().zip(rates).map(|(&friction, &rate)| friction * rate);
+    match cone {
+        Cone::Elliptic => {
+            let square = scaled().fold(S::from_f64(1e-36), |sum, x| sum + x * x);
+            let speed = square.sqrt();
+            let by_rate = friction.iter().zip(scaled()).map(|(&mu, x)| mu * x / speed);
+            Separation { speed, by_rate: by_rate.collect() }
+        }
+        // The edge that moves most towards the plane.
+        Cone::Pyramidal => {
+            let speed = scaled().fold(zero, |speed, x| larger(speed, x.abs()));
+            let by_rate = friction.iter().zip(scaled()).map(|(&mu, x)| {
+                let along = x.select_nonnegative(mu, -mu);
+                (x.abs() - speed).select_nonnegative(along, zero)
+            });
+            Separation { speed, by_rate: by_rate.collect() }
+        }
+    }
+}
+
 /// Returns the coefficient of friction, at least the smallest one.
 pub(super) fn friction<S: Scalar>(coefficient: S) -> S {
     at_least(coefficient, S::from_f64(LEAST_FRICTION))

@@ -19,7 +19,7 @@ use crate::equations::{TimeStepInput, Workspace};
 use crate::mechanism::{BodyTree, Mechanism};
 use crate::scalar::at_most;
 use crate::spatial::{Matrix3, Pose, Twist, Vector3, Wrench};
-use crate::{ContactSurface, Scalar};
+use crate::{ContactSurface, Scalar, StepSettings};
 
 /// The accelerations in a step, and the forces.
 #[derive(Clone, Debug, PartialEq)]
@@ -142,7 +142,8 @@ impl<'a, S: Scalar, T: BodyTree<S>> StepProblem<'a, S, T> {
         for (i, body) in model.bodies.iter().enumerate() {
             falls[i] = body.parent.map_or_else(|| is_base(model, i), |parent| falls[parent]);
         }
-        let options = ContactOptions { cone: soft.cone, ratio: settings.impratio, dt };
+        let StepSettings { impratio, coulomb, .. } = *settings;
+        let options = ContactOptions { cone: soft.cone, ratio: impratio, coulomb, dt };
         let states: Vec<BodyState<S>> = (0..model.bodies.len())
             .map(|body| BodyState {
                 pose: poses[body],

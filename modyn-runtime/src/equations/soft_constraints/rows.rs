@@ -2,7 +2,7 @@
 
 use alloc::{vec, vec::Vec};
 
-use super::law::{self, ContactLaw, Response, RowState};
+use super::law::{self, ContactLaw, Response, RowState, Separation};
 use super::lengths::{CouplingParameters, TendonParameters};
 use super::shapes;
 use super::stops::StopParameters;
@@ -97,6 +97,9 @@ pub(super) struct ContactRows<S> {
     pub law: ContactLaw<S>,
     /// The damping of the reference accelerations, 1/s.
     pub damping: S,
+    /// Minus the change of the normal's reference acceleration with the velocity of each other
+    /// component, 1/s.
+    closing: Vec<S>,
 }
 
 /// The settings of all contacts of a step.
@@ -105,6 +108,8 @@ pub(super) struct ContactOptions<S> {
     pub cone: Cone,
     /// How many times stiffer friction is than the normal direction.
     pub ratio: S,
+    /// The share of Coulomb's law in sliding.
+    pub coulomb: S,
     /// The time of the step, s.
     pub dt: S,
 }
@@ -202,21 +207,26 @@ impl<S: Scalar> ContactRows<S> {
             .row(&RowState { position: violation, velocity: rates[0], mobility }, options.dt);
         let falling = components(*fall).into_iter().chain([S::zero(); 3]);
         let damped = rates.iter().skip(1).map(|&rate| softness.damped(rate, options.dt));
-        let reference = [row.reference].into_iter().chain(damped).zip(falling);
         let [sliding, torsional, rolling] =
             [surface.friction, surface.torsional_friction, surface.rolling_friction]
                 .map(law::friction);
         let count = parameters.components.count();
         let friction = [sliding, sliding, torsional, rolling, rolling];
+        let friction = friction[..count - 1].to_vec();
+        let damping = -softness.damped(S::one(), options.dt);
+        let Separation { speed, by_rate } = law::separation(options.cone, &friction, &rates[1..]);
+        let closing = options.coulomb * damping;
+        let reference = row.reference - closing * speed;
+        let reference = [reference].into_iter().chain(damped).zip(falling);
         let law = ContactLaw {
             cone: options.cone,
-            friction: friction[..count - 1].to_vec(),
+            friction,
             ratio: options.ratio,
             weight: violation.select_nonnegative(S::zero(), row.weight),
             reference: reference.map(|(reference, fall)| reference - fall).take(count).collect(),
         };
-        let damping = -softness.damped(S::one(), options.dt);
-        Self { body: parameters.body, place, gap, axes, along_tangent, law, damping }
+        let closing = by_rate.into_iter().map(|by_rate| closing * by_rate).collect();
+        Self { body: parameters.body, place, gap, axes, along_tangent, law, damping, closing }
     }
 
     /// Returns the number of rows.
@@ -249,6 +259,14 @@ impl<S: Scalar> ContactRows<S> {
             _ => Vector3::zero(),
         };
         Wrench { moment, force: self.axes.mul_vector(three(forces)) }
+    }
+
+    /// Returns minus the change of the wrench at the contact's place with the velocity of the body
+    /// beside its damping: the wrench for each unit of the power of a twist at the second wrench.
+    pub(super) fn change_by_slip(&self, response: &Response<S>) -> [Wrench<S>; 2] {
+        let normal: Vec<S> = response.stiffness.iter().map(|row| row[0]).collect();
+        let closing: Vec<S> = [S::zero()].into_iter().chain(self.closing.iter().copied()).collect();
+        [self.wrench_at_place(&normal), self.wrench_at_place(&closing)]
     }
 
     /// Returns the force along the x and y axes of the plane, then along the normal.

@@ -32,7 +32,8 @@ pub fn touching_points<S: Scalar>(
     let mut poses = vec![Pose::identity(); mechanism.bodies.len()];
     compute_body_poses(mechanism, workspace, &mut poses);
     // The laws of the rows, which depend on the time, are not used.
-    let options = ContactOptions { cone: soft.cone, ratio: settings.impratio, dt: S::one() };
+    let one = S::one();
+    let options = ContactOptions { cone: soft.cone, ratio: one, coulomb: one, dt: one };
     let shapes = soft.contacts.iter().zip(settings.contacts.as_ref());
     let points = shapes.enumerate().flat_map(|(shape, (parameters, surface))| {
         let pose = poses[parameters.body];

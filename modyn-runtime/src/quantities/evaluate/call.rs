@@ -88,7 +88,7 @@ impl<S: Scalar> Given<'_, S> {
         let (surfaces, _) = surfaces.as_chunks();
         let contacts =
             surfaces.iter().map(|surface| ContactSurface::from_numbers(*surface)).collect();
-        StepSettings::from_numbers([settings[0], settings[1]], contacts)
+        StepSettings::from_numbers([settings[0], settings[1], settings[2]], contacts)
     }
 }
 
