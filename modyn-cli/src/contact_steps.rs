@@ -169,10 +169,10 @@ impl ContactSteps {
         match options.ground {
             Ground::None => {
                 soft.contacts.clear();
-                settings.contacts.clear();
+                settings.surfaces.clear();
             }
             Ground::Plane(friction) => {
-                settings.contacts.iter_mut().for_each(|surface| surface.friction = friction);
+                settings.surfaces.iter_mut().for_each(|surface| surface.friction = friction);
             }
             Ground::Described => {}
         }
@@ -271,7 +271,7 @@ impl ContactSteps {
         let forces = points.into_iter().zip(forces.as_chunks::<3>().0);
         let in_world = forces.map(|(TouchingPoint { shape, place, gap }, force)| GroundPoint {
             place: place.0,
-            force: settings.contacts[shape].plane.rotate(*force),
+            force: settings.surfaces[shape].plane.rotate(*force),
             gap,
         });
         step.points = in_world.collect();
@@ -313,7 +313,7 @@ fn move_to_ground(
     let shapes = model.touching_shapes();
     // The frame of each point's link, and the height of the point.
     let height_of = |&TouchingPoint { shape, gap, .. }: &TouchingPoint<f64>| {
-        let upwards = settings.contacts[shape].plane.rotation[2][2];
+        let upwards = settings.surfaces[shape].plane.rotation[2][2];
         (upwards > LEVEL).then(|| (shapes[shape].end.frame, gap / upwards))
     };
     let heights: Vec<(usize, f64)> = points.iter().filter_map(height_of).collect();

@@ -13,8 +13,8 @@ use crate::random::Random;
 pub fn settings_of(model: &Model) -> ConstraintSettings<f64, Vec<ContactTarget<f64>>> {
     let ConstraintSettings { alpha, beta, tolerance, rounding, .. } =
         ConstraintSettings::<f64>::DEFAULT;
-    let contacts = vec![ContactTarget::<f64>::GROUND; model.contacts().len()];
-    ConstraintSettings { alpha, beta, tolerance, rounding, contacts }
+    let targets = vec![ContactTarget::<f64>::GROUND; model.contacts().len()];
+    ConstraintSettings { alpha, beta, tolerance, rounding, targets }
 }
 
 /// The number of random coordinates from which loops are tried to be closed.

@@ -477,7 +477,9 @@ impl Builder {
         let robot = PlannedRobot { model, modules: &modules, plan: &plan, options: &options, stem };
         let source = emit_rollouts(&robot, language, rollouts);
         let holds = Function::ConstrainedForwardDynamics.name();
-        if rollouts.contacts.is_some() && !source.rollouts.iter().any(|one| one.step == holds) {
+        if rollouts.active_contacts.is_some()
+            && !source.rollouts.iter().any(|one| one.step == holds)
+        {
             let message =
                 "a rollout holds contacts by constrained forward dynamics, and there is none";
             let help = "give the robot contacts by the option `contacts`, and add `constrained_forward_dynamics` and \

@@ -291,7 +291,7 @@ fn types_of_the_robot_are_in_the_text() {
     for part in [
         "struct DogUduFactorization<",
         "pub brge: DogUduFactorization<T>,",
-        "contacts: DogContacts, settings: &",
+        "active: DogContacts, settings: &",
     ] {
         assert!(text.contains(part), "{part}");
     }
@@ -307,8 +307,8 @@ fn batches_of_fused_functions_with_contacts() {
     let text = text.generate().expect("good").text;
     syn::parse_file(&text).expect("Rust");
     for part in [
-        "contacts: [&[bool]; 1], settings: &__modyn::ConstraintSettings<f64, ",
-        "contacts: &[DogContacts], settings: &__modyn::ConstraintSettings<f64, ",
+        "active: [&[bool]; 1], settings: &__modyn::ConstraintSettings<f64, ",
+        "active: &[DogContacts], settings: &__modyn::ConstraintSettings<f64, ",
         "__modyn::batch::run_parallel_flagged(",
     ] {
         assert!(text.contains(part), "{part}");

@@ -866,7 +866,7 @@ fn generated_code_says_which_loops_it_closes() {
         "pub const LOOP_CONSTRAINT_NAMES: [&'static str; 1] = [\"rocker_pin\"];",
         "| 0 | `rocker_pin` | revolute | `coupler` | `rocker` |",
         "pub fn constrained_forward_dynamics(q: &[f64; 3], qd: &[f64; 3], tau: &[f64; 3], \
-         contacts: (), settings: &__modyn::ConstraintSettings<f64, [__modyn::ContactTarget<f64>; 0]>)",
+         active: (), settings: &__modyn::ConstraintSettings<f64, [__modyn::ContactTarget<f64>; 0]>)",
     ] {
         assert!(closed.text.contains(part), "{part}\n{}", closed.text);
     }

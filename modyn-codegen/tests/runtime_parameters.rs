@@ -269,8 +269,8 @@ fn walker(leg: &Inertial) -> Interpreter<f64> {
 fn carrying(walker: &mut Interpreter<f64>) -> Vec<[f64; 6]> {
     let ConstraintSettings { alpha, beta, tolerance, rounding, .. } =
         ConstraintSettings::<f64>::DEFAULT;
-    let contacts = vec![ContactTarget::<f64>::GROUND; 2];
-    let settings = ConstraintSettings { alpha, beta, tolerance, rounding, contacts };
+    let targets = vec![ContactTarget::<f64>::GROUND; 2];
+    let settings = ConstraintSettings { alpha, beta, tolerance, rounding, targets };
     let q = [0.1, -0.2, 0.6, 0.0, 0.0, 0.28, 0.96, 0.3, -0.2];
     let (qd, qdd) = ([0.0; 8], [0.3, -0.2, 0.4, 0.1, 0.2, -0.3, 0.5, -0.6]);
     let (mut tau, mut wrenches) = ([0.0; 8], [Wrench::zero(); 2]);

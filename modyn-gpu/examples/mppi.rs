@@ -127,7 +127,7 @@ fn arm() -> Task {
         options: RolloutOptions {
             cost: Some(ARM_COST.into()),
             forces: Some(forces),
-            contacts: None,
+            active_contacts: None,
         },
         controls: q.clone(),
         q,
@@ -156,7 +156,7 @@ fn quadruped() -> Task {
         options: RolloutOptions {
             cost: Some(QUADRUPED_COST.into()),
             forces: Some(forces),
-            contacts: None,
+            active_contacts: None,
         },
         q: [&trunk[..], &crouch].concat(),
         qd: vec![0.0; 18],

@@ -40,7 +40,7 @@ fn forces(q: array<f32, 19>, qd: array<f32, 18>, u: array<f32, 12>, step: u32) -
 
 /// A foot below the ground may be in contact.
 const CONTACTS: &str = "
-fn contacts(q: array<f32, 19>, qd: array<f32, 18>, u: array<f32, 12>, step: u32) -> array<f32, 4> {
+fn active_contacts(q: array<f32, 19>, qd: array<f32, 18>, u: array<f32, 12>, step: u32) -> array<f32, 4> {
     let feet = quadruped_feet(q);
     let touches = vec4<f32>(feet[11], feet[23], feet[35], feet[47]) < vec4<f32>(0.0);
     return array<f32, 4>(f32(touches.x), f32(touches.y), f32(touches.z), f32(touches.w));
@@ -67,7 +67,7 @@ fn settings() -> ConstraintSettings<f64, [ContactTarget<f64>; 4]> {
     let stop = 0.5 / f64::from(DT);
     let target = ContactTarget { alpha: stop, beta: 20.0, ..ContactTarget::<f64>::GROUND };
     let default = ConstraintSettings::<f64, [ContactTarget<f64>; 4]>::DEFAULT;
-    ConstraintSettings { tolerance: 1e-8, rounding: 1e-5, contacts: [target; 4], ..default }
+    ConstraintSettings { tolerance: 1e-8, rounding: 1e-5, targets: [target; 4], ..default }
 }
 
 /// Returns the state after the steps in double precision, and the heights of the feet.
@@ -123,7 +123,7 @@ fn a_quadruped_lands_and_stands() {
     let forces = RolloutForces { text: FORCES.into(), controls: 12 };
     let options = RolloutOptions {
         forces: Some(forces),
-        contacts: Some(CONTACTS.into()),
+        active_contacts: Some(CONTACTS.into()),
         ..RolloutOptions::default()
     };
     let rollout = Rollout::new(&gpu, &quadruped(), &options).expect("kernels");
@@ -144,7 +144,7 @@ fn a_quadruped_lands_and_stands() {
         goals.repeat(STEPS).iter().flat_map(|goal| [*goal as f32; 3]).collect();
     let controls = gpu.upload(&controls, 3).expect("room");
     let all = settings();
-    let numbers = all.numbers().into_iter().chain(all.contacts.iter().flat_map(|c| c.numbers()));
+    let numbers = all.numbers().into_iter().chain(all.targets.iter().flat_map(|c| c.numbers()));
     let numbers: Vec<f32> = numbers.map(|x| x as f32).collect();
     let numbers = gpu.upload(&numbers, 1).expect("room");
     let arguments = RolloutArguments {

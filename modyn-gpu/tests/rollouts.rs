@@ -182,7 +182,8 @@ fn functions_of_the_user() {
         return dot(error, error) + f32(step + 1u) * data[0] * u[2] * u[2] + qd[6] * data[1];
     }";
     let forces = RolloutForces { text: forces.into(), controls: 3 };
-    let options = RolloutOptions { cost: Some(cost.into()), forces: Some(forces), contacts: None };
+    let options =
+        RolloutOptions { cost: Some(cost.into()), forces: Some(forces), active_contacts: None };
     let model = builder.generate().expect("good").model;
     let hand = model.frames().iter().position(|frame| frame.name == "hand").expect("a hand");
     // The interpreter has the gravity of the description: the run-time gravity becomes its own.

@@ -22,7 +22,7 @@ const FUNCTIONS: [Function; 3] =
 type Settings = ConstraintSettings<f64, Vec<ContactTarget<f64>>>;
 
 fn numbers(settings: &Settings) -> Vec<f64> {
-    let contacts = settings.contacts.iter().flat_map(ContactTarget::numbers);
+    let contacts = settings.targets.iter().flat_map(ContactTarget::numbers);
     settings.numbers().into_iter().chain(contacts).collect()
 }
 
@@ -97,8 +97,8 @@ fn contacts_on_the_ground_and_on_moving_frames() {
     };
     let ConstraintSettings { alpha, beta, tolerance, rounding, .. } =
         ConstraintSettings::<f64>::DEFAULT;
-    let contacts = vec![ContactTarget::<f64>::GROUND, moving, ContactTarget::<f64>::EXACT];
-    let settings = ConstraintSettings { alpha, beta, tolerance, rounding, contacts };
+    let targets = vec![ContactTarget::<f64>::GROUND, moving, ContactTarget::<f64>::EXACT];
+    let settings = ConstraintSettings { alpha, beta, tolerance, rounding, targets };
     let numbers = numbers(&settings);
     let mut interpreter = Interpreter::new(model.clone());
 
@@ -120,7 +120,7 @@ fn contacts_on_the_ground_and_on_moving_frames() {
                         "q" => state.q.clone(),
                         "qd" => state.qd.clone(),
                         "tau" => state.tau.clone(),
-                        "contacts" => mask.map(|active| f64::from(u8::from(active))).to_vec(),
+                        "active" => mask.map(|active| f64::from(u8::from(active))).to_vec(),
                         _ => numbers.clone(),
                     })
                     .collect();
@@ -157,7 +157,7 @@ fn hessians_of_an_arm_on_a_moving_frame() {
     let target = ContactTarget { compliance: 0.02, ..ContactTarget::<f64>::GROUND };
     let ConstraintSettings { alpha, beta, tolerance, rounding, .. } =
         ConstraintSettings::<f64>::DEFAULT;
-    let settings = ConstraintSettings { alpha, beta, tolerance, rounding, contacts: vec![target] };
+    let settings = ConstraintSettings { alpha, beta, tolerance, rounding, targets: vec![target] };
     let state = random::state(3, model);
     let (cotangent, weights) = (random::state(4, model).qd, [0.3, -0.2, 0.5, 1.1, -0.7, 0.4]);
     let expected = Interpreter::new(model.clone()).constrained_hessian(
@@ -225,15 +225,15 @@ fn random_limbs() {
         let state = random::state(seed, model);
         let ConstraintSettings { alpha, beta, tolerance, rounding, .. } =
             ConstraintSettings::<f64>::DEFAULT;
-        let contacts = vec![ContactTarget::<f64>::EXACT; model.contacts().len()];
-        let settings = numbers(&ConstraintSettings { alpha, beta, tolerance, rounding, contacts });
+        let targets = vec![ContactTarget::<f64>::EXACT; model.contacts().len()];
+        let settings = numbers(&ConstraintSettings { alpha, beta, tolerance, rounding, targets });
         for planned in &planning.plan.functions {
             let Kernels::Straight { scalar, simd: Some(simd) } = &planned.kernels else { continue };
             let arguments = planned.arguments.iter().flat_map(|(own, shape)| match own.name {
                 "q" => state.q.clone(),
                 "qd" => state.qd.clone(),
                 "settings" => settings.clone(),
-                "contacts" => vec![1.0; shape.len()],
+                "active" => vec![1.0; shape.len()],
                 _ => (0..shape.len()).map(|_| random.between(-2.0, 2.0)).collect(),
             });
             let arguments: Vec<f64> = arguments.collect();
@@ -284,8 +284,8 @@ fn a_leg_whose_foot_and_knee_are_held_is_locked() {
     ];
     let ConstraintSettings { alpha, beta, tolerance, rounding, .. } =
         ConstraintSettings::<f64>::EXACT;
-    let contacts = vec![ContactTarget::<f64>::EXACT; 2];
-    let settings = numbers(&ConstraintSettings { alpha, beta, tolerance, rounding, contacts });
+    let targets = vec![ContactTarget::<f64>::EXACT; 2];
+    let settings = numbers(&ConstraintSettings { alpha, beta, tolerance, rounding, targets });
     let function = Function::ConstrainedForwardDynamics;
     for order in [[0, 1], [1, 0]] {
         let builder = Builder::new().urdf_text(text.concat(), "leg.urdf").functions([function]);

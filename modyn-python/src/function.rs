@@ -198,24 +198,28 @@ impl<S: Number> Typed<S> {
                     ArgumentKind::Settings => {
                         let wanted = SettingsForm {
                             class: "ConstraintSettings",
-                            contacts: "one for each name of `contact_names`, in their order",
+                            field: "targets",
+                            count: "one for each name of `contact_names`, in their order",
                         };
                         self.settings(&wanted, name, shape, given)?
                     }
                     ArgumentKind::StepSettings => {
                         let wanted = SettingsForm {
                             class: "StepSettings",
-                            contacts: "those that `step_settings()` has, in their order",
+                            field: "surfaces",
+                            count: "those that `step_settings()` has, in their order",
                         };
                         self.settings(&wanted, name, shape, given)?
                     }
-                    ArgumentKind::Contacts => match Given::read(self.name, name, shape, given) {
-                        Ok(numbers) => numbers,
-                        Err(error) => match names_in(given) {
-                            Some(names) => self.contacts_of(name, &names)?,
-                            None => return Err(of_contacts(py, &error)),
-                        },
-                    },
+                    ArgumentKind::ActiveContacts => {
+                        match Given::read(self.name, name, shape, given) {
+                            Ok(numbers) => numbers,
+                            Err(error) => match names_in(given) {
+                                Some(names) => self.contacts_of(name, &names)?,
+                                None => return Err(of_contacts(py, &error)),
+                            },
+                        }
+                    }
                     _ => Given::read(self.name, name, shape, given)?,
                 };
                 if let Some(check) = Check::of(self.function, argument) {
@@ -224,7 +228,7 @@ impl<S: Number> Typed<S> {
                 }
                 Ok(numbers)
             }
-            (ArgumentKind::Contacts, None) => {
+            (ArgumentKind::ActiveContacts, None) => {
                 Ok(Given::owned(name, vec![S::one(); shape.iter().product()]))
             }
             (ArgumentKind::Settings, None) => Ok(Given::owned(name, self.settings.clone())),
@@ -259,11 +263,11 @@ impl<S: Number> Typed<S> {
             return Err(PyTypeError::new_err(message));
         }
         Given::read_for_scalar(function, name, shape, given).map_err(|error| {
-            match given.getattr("contacts").and_then(|contacts| contacts.len()) {
+            match given.getattr(wanted.field).and_then(|all| all.len()) {
                 Ok(count) if error.is_instance_of::<PyValueError>(given.py()) => {
                     PyValueError::new_err(format!(
-                        "`settings` of `{function}` has {count} contacts; expected {}",
-                        wanted.contacts
+                        "`settings` of `{function}` has {count} {}; expected {}",
+                        wanted.field, wanted.count
                     ))
                 }
                 _ => error,
@@ -526,8 +530,10 @@ fn names_in(object: &Bound<'_, PyAny>) -> Option<Vec<String>> {
 /// The form that the settings of a function have in Python.
 struct SettingsForm {
     class: &'static str,
-    /// The contacts, in words.
-    contacts: &'static str,
+    /// The attribute that has an object for each contact or shape.
+    field: &'static str,
+    /// How many objects are expected, in words.
+    count: &'static str,
 }
 
 /// Returns the error of a set of active contacts with the form of one.

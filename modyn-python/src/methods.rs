@@ -562,24 +562,24 @@ impl Robot {
     /// origin in the first frame's axes. Contacts follow, in the order of `contact_names`, at the
     /// frame's origin in world axes. Redundant rows get the multipliers of smallest norm.
     ///
-    /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `contacts`: the names of the active
+    /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `active`: the names of the active
     /// contacts, or (contacts,), 1 for each active one, else 0; by default all are; `settings`:
     /// `ConstraintSettings`, by default with the ground at z = 0 under all contacts.
     /// Result: `ConstrainedForwardDynamics`: `qdd` (nv,), `wrenches` (constraints, 6), `residuals`
     /// (constraints, 6), `rank` a number, linear before angular components. Several states have one
     /// more axis, the first.
-    #[pyo3(signature = (q, qd, tau, contacts=None, settings=None, *, out=None))]
+    #[pyo3(signature = (q, qd, tau, active=None, settings=None, *, out=None))]
     fn constrained_forward_dynamics<'py>(
         &self,
         py: Python<'py>,
         q: &Bound<'py, PyAny>,
         qd: &Bound<'py, PyAny>,
         tau: &Bound<'py, PyAny>,
-        contacts: Argument<'_, 'py>,
+        active: Argument<'_, 'py>,
         settings: Argument<'_, 'py>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 30, &[Some(q), Some(qd), Some(tau), contacts, settings], None, out)
+        self.call(py, 30, &[Some(q), Some(qd), Some(tau), active, settings], None, out)
     }
 
     /// Returns the displacement and the velocity of each loop constraint's second frame relative to
@@ -608,22 +608,22 @@ impl Robot {
     /// that keeps them there, and the number of independent constraint rows. The settings `alpha`
     /// and `beta` have no effect.
     ///
-    /// Arguments: `q`: (nq,); `qd`: (nv,); `contacts`: the names of the active contacts, or
+    /// Arguments: `q`: (nq,); `qd`: (nv,); `active`: the names of the active contacts, or
     /// (contacts,), 1 for each active one, else 0; by default all are; `settings`:
     /// `ConstraintSettings`, by default with the ground at z = 0 under all contacts.
     /// Result: `ConstraintProjection`: `step_q` (nv,), `step_qd` (nv,), `rank` a number. Several
     /// states have one more axis, the first.
-    #[pyo3(signature = (q, qd, contacts=None, settings=None, *, out=None))]
+    #[pyo3(signature = (q, qd, active=None, settings=None, *, out=None))]
     fn project_constraints<'py>(
         &self,
         py: Python<'py>,
         q: &Bound<'py, PyAny>,
         qd: &Bound<'py, PyAny>,
-        contacts: Argument<'_, 'py>,
+        active: Argument<'_, 'py>,
         settings: Argument<'_, 'py>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 32, &[Some(q), Some(qd), contacts, settings], None, out)
+        self.call(py, 32, &[Some(q), Some(qd), active, settings], None, out)
     }
 
     /// Returns the accelerations and the wrenches of `constrained_forward_dynamics`, and their
@@ -631,25 +631,25 @@ impl Robot {
     /// wrenches are arrays for each constraint, in the axes of the wrenches. The rank is assumed
     /// constant; redundant rows get the derivatives of smallest norm.
     ///
-    /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `contacts`: the names of the active
+    /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `active`: the names of the active
     /// contacts, or (contacts,), 1 for each active one, else 0; by default all are; `settings`:
     /// `ConstraintSettings`, by default with the ground at z = 0 under all contacts.
     /// Result: `ConstrainedForwardDynamicsDerivatives`: `qdd` (nv,), `wrenches` (constraints, 6),
     /// `dqdd_dq` (nv, nv), `dqdd_dqd` (nv, nv), `dqdd_dtau` (nv, nv), `dwrenches_dq` (constraints,
     /// 6, nv), `dwrenches_dqd` (constraints, 6, nv), `dwrenches_dtau` (constraints, 6, nv), `rank`
     /// a number, forces before moments. Several states have one more axis, the first.
-    #[pyo3(signature = (q, qd, tau, contacts=None, settings=None, *, out=None))]
+    #[pyo3(signature = (q, qd, tau, active=None, settings=None, *, out=None))]
     fn constrained_forward_dynamics_derivatives<'py>(
         &self,
         py: Python<'py>,
         q: &Bound<'py, PyAny>,
         qd: &Bound<'py, PyAny>,
         tau: &Bound<'py, PyAny>,
-        contacts: Argument<'_, 'py>,
+        active: Argument<'_, 'py>,
         settings: Argument<'_, 'py>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 33, &[Some(q), Some(qd), Some(tau), contacts, settings], None, out)
+        self.call(py, 33, &[Some(q), Some(qd), Some(tau), active, settings], None, out)
     }
 
     /// Returns the accelerations and the wrenches of `constrained_forward_dynamics`, and the
@@ -659,14 +659,14 @@ impl Robot {
     /// Weights of wrenches need independent rows, or compliance.
     ///
     /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `cotangent`: (nv,); `wrench_cotangent`:
-    /// (constraints, 6), forces before moments; `contacts`: the names of the active contacts, or
+    /// (constraints, 6), forces before moments; `active`: the names of the active contacts, or
     /// (contacts,), 1 for each active one, else 0; by default all are; `settings`:
     /// `ConstraintSettings`, by default with the ground at z = 0 under all contacts.
     /// Result: `ConstrainedForwardDynamicsHessian`: `qdd` (nv,), `wrenches` (constraints, 6),
     /// `grad_q` (nv,), `grad_qd` (nv,), `grad_tau` (nv,), `hess_q_q` (nv, nv), `hess_q_qd` (nv,
     /// nv), `hess_qd_qd` (nv, nv), `hess_q_tau` (nv, nv), `rank` a number, forces before moments.
     /// Several states have one more axis, the first.
-    #[pyo3(signature = (q, qd, tau, cotangent, wrench_cotangent, contacts=None, settings=None, *, out=None))]
+    #[pyo3(signature = (q, qd, tau, cotangent, wrench_cotangent, active=None, settings=None, *, out=None))]
     fn constrained_forward_dynamics_hessian<'py>(
         &self,
         py: Python<'py>,
@@ -675,11 +675,11 @@ impl Robot {
         tau: &Bound<'py, PyAny>,
         cotangent: &Bound<'py, PyAny>,
         wrench_cotangent: &Bound<'py, PyAny>,
-        contacts: Argument<'_, 'py>,
+        active: Argument<'_, 'py>,
         settings: Argument<'_, 'py>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 34, &[Some(q), Some(qd), Some(tau), Some(cotangent), Some(wrench_cotangent), contacts, settings], None, out)
+        self.call(py, 34, &[Some(q), Some(qd), Some(tau), Some(cotangent), Some(wrench_cotangent), active, settings], None, out)
     }
 
     /// Returns the velocities after an impact that closes the loops and stops the active contacts
@@ -687,22 +687,22 @@ impl Robot {
     /// number of independent constraint rows. Along its normal, a contact leaves with `restitution`
     /// times the speed before the impact. The settings `alpha` and `beta` have no effect.
     ///
-    /// Arguments: `q`: (nq,); `qd`: (nv,); `contacts`: the names of the active contacts, or
+    /// Arguments: `q`: (nq,); `qd`: (nv,); `active`: the names of the active contacts, or
     /// (contacts,), 1 for each active one, else 0; by default all are; `settings`:
     /// `ConstraintSettings`, by default with the ground at z = 0 under all contacts.
     /// Result: `ImpactDynamics`: `qd` (nv,), `impulses` (constraints, 6), `rank` a number, forces
     /// before moments. Several states have one more axis, the first.
-    #[pyo3(signature = (q, qd, contacts=None, settings=None, *, out=None))]
+    #[pyo3(signature = (q, qd, active=None, settings=None, *, out=None))]
     fn impact_dynamics<'py>(
         &self,
         py: Python<'py>,
         q: &Bound<'py, PyAny>,
         qd: &Bound<'py, PyAny>,
-        contacts: Argument<'_, 'py>,
+        active: Argument<'_, 'py>,
         settings: Argument<'_, 'py>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 35, &[Some(q), Some(qd), contacts, settings], None, out)
+        self.call(py, 35, &[Some(q), Some(qd), active, settings], None, out)
     }
 
     /// Returns the state after a step of the time `dt` (s) under the joint forces `tau`, with
@@ -966,23 +966,23 @@ impl Robot {
     /// characteristic length l of each contact. The joint forces of a base are the wrench on it
     /// that no contact can carry. The wrenches of loop constraints are zero.
     ///
-    /// Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,); `contacts`: the names of the active
+    /// Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,); `active`: the names of the active
     /// contacts, or (contacts,), 1 for each active one, else 0; by default all are; `settings`:
     /// `ConstraintSettings`, by default with the ground at z = 0 under all contacts.
     /// Result: `ConstrainedInverseDynamics`: `tau` (nv,), `wrenches` (constraints, 6), `rank` a
     /// number, forces before moments. Several states have one more axis, the first.
-    #[pyo3(signature = (q, qd, qdd, contacts=None, settings=None, *, out=None))]
+    #[pyo3(signature = (q, qd, qdd, active=None, settings=None, *, out=None))]
     fn constrained_inverse_dynamics<'py>(
         &self,
         py: Python<'py>,
         q: &Bound<'py, PyAny>,
         qd: &Bound<'py, PyAny>,
         qdd: &Bound<'py, PyAny>,
-        contacts: Argument<'_, 'py>,
+        active: Argument<'_, 'py>,
         settings: Argument<'_, 'py>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 45, &[Some(q), Some(qd), Some(qdd), contacts, settings], None, out)
+        self.call(py, 45, &[Some(q), Some(qd), Some(qdd), active, settings], None, out)
     }
 
     /// Returns the Jacobian of each constraint. The product with `qd` is, for a loop constraint,
@@ -1026,22 +1026,22 @@ impl Robot {
     /// a contact in world axes. The entries of inactive contacts are zero. The Delassus matrix
     /// contains the compliance.
     ///
-    /// Arguments: `q`: (nq,); `contacts`: the names of the active contacts, or (contacts,), 1 for
+    /// Arguments: `q`: (nq,); `active`: the names of the active contacts, or (contacts,), 1 for
     /// each active one, else 0; by default all are; `settings`: `ConstraintSettings`, by default
     /// with the ground at z = 0 under all contacts.
     /// Result: `OperationalSpaceInertia`: `delassus` (constraint rows, constraint rows), `inertia`
     /// (constraint rows, constraint rows), `rank` a number. Several states have one more axis, the
     /// first.
-    #[pyo3(signature = (q, contacts=None, settings=None, *, out=None))]
+    #[pyo3(signature = (q, active=None, settings=None, *, out=None))]
     fn operational_space_inertia<'py>(
         &self,
         py: Python<'py>,
         q: &Bound<'py, PyAny>,
-        contacts: Argument<'_, 'py>,
+        active: Argument<'_, 'py>,
         settings: Argument<'_, 'py>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 48, &[Some(q), contacts, settings], None, out)
+        self.call(py, 48, &[Some(q), active, settings], None, out)
     }
 
     /// Returns the regressor Y of inverse dynamics: tau = Y pi, without armatures and friction. pi

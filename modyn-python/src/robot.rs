@@ -566,9 +566,9 @@ impl Robot {
             types.getattr("ContactSurface")?.call((), Some(&keywords))
         };
         let surfaces: Vec<Bound<'py, PyAny>> =
-            settings.contacts.iter().map(surface).collect::<PyResult<_>>()?;
+            settings.surfaces.iter().map(surface).collect::<PyResult<_>>()?;
         let keywords = PyDict::new(py);
-        keywords.set_item("contacts", surfaces)?;
+        keywords.set_item("surfaces", surfaces)?;
         keywords.set_item("impratio", settings.impratio)?;
         types.getattr("StepSettings")?.call((), Some(&keywords))
     }

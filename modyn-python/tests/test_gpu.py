@@ -98,11 +98,11 @@ def test_rollouts_that_hold_contacts():
     robot = modyn.load(
         ROBOTS / "quadruped.urdf", base="floating", contacts={"foot": ("point", "front_left_foot", [0, 0, 0])}
     )
-    contacts = """
-    fn contacts(q: array<f32, 19>, qd: array<f32, 18>, u: array<f32, 18>, step: u32) -> array<f32, 1> {
+    active = """
+    fn active_contacts(q: array<f32, 19>, qd: array<f32, 18>, u: array<f32, 18>, step: u32) -> array<f32, 1> {
         return array<f32, 1>(data[0]);
     }"""
-    rollout = robot.gpu().rollout(["constrained_forward_dynamics", "integrate"], contacts=contacts)
+    rollout = robot.gpu().rollout(["constrained_forward_dynamics", "integrate"], active_contacts=active)
     q = robot.neutral()
     ground = modyn.ContactTarget(translation=robot.link_pose(q, "front_left_foot").translation)
     settings = modyn.ConstraintSettings([ground])

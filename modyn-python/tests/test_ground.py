@@ -186,7 +186,7 @@ def test_a_collision_of_a_urdf_rolls_down_a_ramp():
     urdf = modyn.loads(BALL_OF_A_URDF, base="floating", ground="plane")
     assert urdf.touching_shape_names == ["ball_collision_1"]
     given = modyn.loads(BALL_OF_A_URDF, base="floating", ground=("plane", [0, 0, 0.1], [0, 0, 2], {"friction": 0.4}))
-    [surface] = given.step_settings().contacts
+    [surface] = given.step_settings().surfaces
     assert (surface.friction, surface.radius, list(surface.translation)) == (0.4, 0.1, [0, 0, 0.1])
     motions = []
     for robot in (mjcf, urdf):
@@ -203,8 +203,8 @@ def test_a_ball_rolls_down_a_ramp():
     robot = modyn.loads(BALL)
     field, plane = ramp()
     settings = robot.step_settings()
-    assert settings.contacts[0].radius == 0.1
-    on_plane = StepSettings([ContactSurface(**{**vars(settings.contacts[0]), **plane, "translation": (0, 0, 0)})])
+    assert settings.surfaces[0].radius == 0.1
+    on_plane = StepSettings([ContactSurface(**{**vars(settings.surfaces[0]), **plane, "translation": (0, 0, 0)})])
     q, qd = robot.neutral(), np.zeros(robot.nv)
     q[:3] = 0.3, -0.2, 0.15
     arguments = (q, qd, np.zeros((500, robot.nv)), 0.002)

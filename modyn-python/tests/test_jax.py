@@ -36,7 +36,7 @@ def argument(name, one, q, n, rng):
         return rng.uniform(0.01, 0.05, n)
     if name == "uniforms":
         return rng.uniform(0.1, 0.9, (n, *one))
-    if name == "contacts":
+    if name == "active":
         return np.ones((n, *one))
     return rng.normal(size=(n, *one))
 
@@ -125,7 +125,7 @@ def test_derivatives_of_steps():
     rng = np.random.default_rng(3)
     t = [jnp.asarray(rng.normal(size=one.shape)) for one in x]
     t[3] = t[3] * 1e-3
-    t[5] = t[5].at[:2].set(0.0) * 1e-3
+    t[5] = t[5].at[:3].set(0.0) * 1e-3
     value = lambda *x: function(*x)[:4]
     found, change = jax.jvp(value, x, t)
     along = lambda h: value(*(a + h * b for a, b in zip(x, t)))

@@ -91,24 +91,24 @@ def test_active_contacts_by_name():
     for other in ([True, False], np.zeros(0), np.array([0.5, 0.5]), [["tip"]], {"tip": 1}):
         with pytest.raises((TypeError, ValueError), match=r"active contacts are names, as in `\[\"left\", \"right\"\]`, or booleans in the order of `contact_names`"):
             robot.constrained_forward_dynamics(z, z, z, other)
-    with pytest.raises(ValueError, match="`contacts` of `constrained_forward_dynamics` names `top`, which is no contact of this robot; `contact_names` has `tip`"):
+    with pytest.raises(ValueError, match="`active` of `constrained_forward_dynamics` names `top`, which is no contact of this robot; `contact_names` has `tip`"):
         robot.constrained_forward_dynamics(z, z, z, ["top"])
 
 
 def test_settings_of_another_robot_or_function():
     robot = modyn.loads(ARM, joint_friction="none", contacts=TIP)
     z = np.zeros(1)
-    two = modyn.ConstraintSettings(contacts=[modyn.ContactTarget()] * 2)
-    with pytest.raises(ValueError, match="`settings` of `constrained_forward_dynamics` has 2 contacts; expected one for each name of `contact_names`"):
+    two = modyn.ConstraintSettings(targets=[modyn.ContactTarget()] * 2)
+    with pytest.raises(ValueError, match="`settings` of `constrained_forward_dynamics` has 2 targets; expected one for each name of `contact_names`"):
         robot.constrained_forward_dynamics(z, z, z, settings=two)
-    with pytest.raises(ValueError, match=r"`settings` of `step` has 0 contacts; expected those that `step_settings\(\)` has, in their order"):
+    with pytest.raises(ValueError, match=r"`settings` of `step` has 0 surfaces; expected those that `step_settings\(\)` has, in their order"):
         robot.step(z, z, z, 1e-3, settings=modyn.StepSettings())
     with pytest.raises(TypeError, match="`settings` of `step` is a `ConstraintSettings`; expected `StepSettings`"):
         robot.step(z, z, z, 1e-3, settings=two)
     with pytest.raises(TypeError, match="`settings` of `constrained_forward_dynamics` is a `StepSettings`; expected `ConstraintSettings`"):
         robot.constrained_forward_dynamics(z, z, z, settings=robot.step_settings())
     # As the messages say.
-    one = modyn.ConstraintSettings(contacts=[modyn.ContactTarget() for _ in robot.contact_names])
+    one = modyn.ConstraintSettings(targets=[modyn.ContactTarget() for _ in robot.contact_names])
     assert np.isfinite(robot.constrained_forward_dynamics(z, z, z, settings=one).qdd).all()
     assert np.isfinite(robot.step(z, z, z, 1e-3, settings=robot.step_settings()).qdd).all()
 

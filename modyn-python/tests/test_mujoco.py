@@ -277,7 +277,7 @@ def test_motions_on_a_floor(scene):
     ranges narrower than twice their margin, so that both limits act."""
     case, robot, model, settings = of_golden("floors", scene)
     data, theirs = mujoco.MjData(model), modyn.conventions.MuJoCo(robot, model)
-    assert len(settings.contacts) == len(robot.touching_shape_names) > 0
+    assert len(settings.surfaces) == len(robot.touching_shape_names) > 0
     start = case["states"][0]
     q, qd, tau = (np.array(start[name]) for name in ("q", "qd", "tau"))
     data.qpos[:], data.qvel[:] = theirs.to_qpos(q), theirs.to_qvel(q, qd)

@@ -466,7 +466,7 @@ def test_near_a_change_of_rank():
     foot = Constraint("point", (-1, 1), [(0.0,) * 3, (0.0, 0.0, -0.4)], [(0.0,) * 3] * 2)
     case.links, case.contacts, case.floating, case.dynamics = [thigh, shank], [foot], False, False
     case.naive = Naive(case.links, constraints=case.contacts)
-    exact = modyn.ConstraintSettings(contacts=[modyn.ContactTarget()], tolerance=1e-14, rounding=1e-14)
+    exact = modyn.ConstraintSettings(targets=[modyn.ContactTarget()], tolerance=1e-14, rounding=1e-14)
     for robot in case.load(), case.load(machine_code=False):
         for angle, rank in (0.1, 2), (1e-3, 2), (1e-5, 1), (0.0, 1):
             state = State(case, np.random.default_rng(1))

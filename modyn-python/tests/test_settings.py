@@ -63,7 +63,7 @@ def test_settings_out_of_range_are_named(robot, name, value, expected):
     settings = ConstraintSettings([ContactTarget(), ContactTarget(**{name: value})])
     for door, call in doors(robot).items():
         call(ConstraintSettings([ContactTarget(), ContactTarget()]))
-        with pytest.raises(ValueError, match=rf"`{name}` of `settings.contacts\[1\]`.*{expected}") as error:
+        with pytest.raises(ValueError, match=rf"`{name}` of `settings.targets\[1\]`.*{expected}") as error:
             call(settings)
         assert np.ndim(value) or str(value).removesuffix(".0").lower() in str(error.value).lower(), (door, error.value)
 
@@ -81,7 +81,7 @@ def test_the_state_of_a_wrong_number_is_named(robot):
     q, qd, tau = state(robot)
     settings = np.tile(np.asarray(ConstraintSettings([ContactTarget()] * 2)), (5, 1))
     settings[3, -1] = -0.5
-    with pytest.raises(ValueError, match=r"`weight` of `settings.contacts\[1\]` is -0.5.*\(in state 3\)"):
+    with pytest.raises(ValueError, match=r"`weight` of `settings.targets\[1\]` is -0.5.*\(in state 3\)"):
         robot.impact_dynamics(q, qd, settings=settings)
 
 
@@ -115,7 +115,7 @@ def test_settings_of_steps_out_of_range_are_named(robot, name, value, expected):
     settings = StepSettings([ContactSurface(), ContactSurface(**{name: value})])
     for call in steps(robot).values():
         call(StepSettings([ContactSurface()] * 2))
-        with pytest.raises(ValueError, match=rf"`{name}` of `settings.contacts\[1\]`.*{expected}"):
+        with pytest.raises(ValueError, match=rf"`{name}` of `settings.surfaces\[1\]`.*{expected}"):
             call(settings)
 
 
@@ -169,7 +169,7 @@ def test_jax_checks_settings(robot):
         jax.grad(lambda settings: rollout(q, qd, controls, DT, settings=settings).q.sum()),
     ):
         jax.block_until_ready(call(good))
-        with pytest.raises(Exception, match=r"`friction` of `settings.contacts\[1\]` is -0.1"):
+        with pytest.raises(Exception, match=r"`friction` of `settings.surfaces\[1\]` is -0.1"):
             jax.block_until_ready(call(bad))
 
 
@@ -179,7 +179,7 @@ def test_torch_checks_settings(robot):
 
     q, qd, tau = state(robot)
     bad = torch.from_numpy(np.asarray(ConstraintSettings([ContactTarget(), ContactTarget(compliance=-0.1)])))
-    with pytest.raises(ValueError, match=r"`compliance` of `settings.contacts\[1\]` is -0.1"):
+    with pytest.raises(ValueError, match=r"`compliance` of `settings.targets\[1\]` is -0.1"):
         modyn.torch.function(robot, "impact_dynamics")(q, qd, np.ones(2), bad)
 
 
@@ -215,7 +215,7 @@ def test_nan_reaches_the_results_of_every_function(machine_code):
         found[name] = 0
         for argument, x in given.items():
             is_checked = argument in ("settings", "step_settings") or (name, argument) == ("step", "dt")
-            if is_checked or argument == "contacts" or x.size == 0:
+            if is_checked or argument == "active" or x.size == 0:
                 continue
             moved, unknown = (np.tile(x.ravel(), (x.size, 1)) for _ in range(2))
             at = np.arange(x.size)

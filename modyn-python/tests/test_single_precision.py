@@ -197,7 +197,7 @@ def test_settings_have_the_tolerances_of_the_scalar():
         found = robot.constrained_forward_dynamics(q, qd, tau, settings=settings)
         expected = robot.constrained_forward_dynamics(q, qd, tau)
         assert found.rank == 6 and all(np.array_equal(a, b) for a, b in zip(found, expected))
-        other = modyn.ConstraintSettings(settings.contacts, rounding=0.9)
+        other = modyn.ConstraintSettings(settings.targets, rounding=0.9)
         assert robot.constrained_forward_dynamics(q, qd, tau, settings=other).rank < 6
     assert np.asarray(settings, np.float32)[3] == np.float32(1e-5)
     assert np.asarray(settings)[3] == 1e-10

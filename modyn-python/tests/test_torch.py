@@ -220,7 +220,7 @@ def test_defaults_of_contacts():
     expected = own.constrained_forward_dynamics(q.numpy(), qd.numpy(), tau.numpy())
     close(function(q, qd, tau).qdd, expected.qdd, 1e-9)
     given = torch.zeros(1, dtype=torch.float64)
-    close(function(q, qd, tau, contacts=given).qdd, own.constrained_forward_dynamics(q.numpy(), qd.numpy(), tau.numpy(), np.zeros(1)).qdd)
+    close(function(q, qd, tau, active=given).qdd, own.constrained_forward_dynamics(q.numpy(), qd.numpy(), tau.numpy(), np.zeros(1)).qdd)
 
 
 def test_refused():

@@ -401,7 +401,7 @@ fn bad_options_are_errors_without_a_place() {
     }
     for (bad, text) in [
         (Armature::new("jj", 1.0), "the options give it an armature, but it does not exist"),
-        (Armature::new("j", -1.0), "joint `j`: -1 is not an armature"),
+        (Armature::new("j", -1.0), "joint `j`: -1.0 is not an armature"),
         (Armature::new("j", f64::NAN), "NaN is not an armature"),
         (Armature::new("j", 1e80), "1e80 is not an armature"),
     ] {

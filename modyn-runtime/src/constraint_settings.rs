@@ -33,7 +33,7 @@ pub struct ConstraintSettings<T, C = [ContactTarget<T>; 0]> {
     /// The part of a row's own mobility that rounding may leave.
     pub rounding: T,
     /// The target of each contact, active or not: an array.
-    pub contacts: C,
+    pub targets: C,
 }
 
 /// The frame in the world that a contact holds its link's frame to, and the properties of the
@@ -75,8 +75,8 @@ impl<T: Copy, C> ConstraintSettings<T, C> {
 
     /// Returns the settings from alpha, beta, tolerance and rounding.
     #[must_use]
-    pub fn from_numbers([alpha, beta, tolerance, rounding]: [T; 4], contacts: C) -> Self {
-        Self { alpha, beta, tolerance, rounding, contacts }
+    pub fn from_numbers([alpha, beta, tolerance, rounding]: [T; 4], targets: C) -> Self {
+        Self { alpha, beta, tolerance, rounding, targets }
     }
 
     /// Returns alpha, beta, tolerance and rounding. In an array of all settings, the numbers of the
@@ -169,14 +169,14 @@ macro_rules! settings {
                 beta: 20.0,
                 tolerance: $tolerance,
                 rounding: $rounding,
-                contacts: [ContactTarget::<$float>::GROUND; N],
+                targets: [ContactTarget::<$float>::GROUND; N],
             };
 
             /// No stabilization, for mechanisms whose constraints are satisfied exactly.
             pub const EXACT: Self = Self {
                 alpha: 0.0,
                 beta: 0.0,
-                contacts: [ContactTarget::<$float>::EXACT; N],
+                targets: [ContactTarget::<$float>::EXACT; N],
                 ..Self::DEFAULT
             };
         }

@@ -11,11 +11,11 @@ use crate::step_settings::{ContactSurface, StepSettings};
 /// use modyn_runtime::{ConstraintSettings, ContactTarget};
 ///
 /// let soft = ContactTarget { compliance: -0.1, ..ContactTarget::<f64>::GROUND };
-/// let settings = ConstraintSettings::<f64, [_; 1]> { contacts: [soft], ..Default::default() };
+/// let settings = ConstraintSettings::<f64, [_; 1]> { targets: [soft], ..Default::default() };
 /// let error = settings.check().expect_err("compliance is not negative");
 /// assert_eq!(
 ///     error.to_string(),
-///     "`compliance` of `settings.contacts[0]` is -0.1; expected a finite number that is not negative"
+///     "`compliance` of `settings.targets[0]` is -0.1; expected a finite number that is not negative"
 /// );
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,7 +39,9 @@ pub enum SettingPlace {
     /// A setting of all constraints.
     Settings,
     /// The target of the contact with this index.
-    Contact(usize),
+    Target(usize),
+    /// The surface of the shape with this index among the shapes that touch the ground.
+    Surface(usize),
     /// The height field.
     HeightField,
     /// The height with this row and this column in a height field.
@@ -176,7 +178,7 @@ pub fn check_settings<T: Copy + Into<f64>>(numbers: &[T]) -> Result<(), SettingE
         range.check(name, SettingPlace::Settings, number.into())?;
     }
     for (contact, target) in targets.chunks_exact(ContactTarget::<f64>::COUNT).enumerate() {
-        check_target(contact, target)?;
+        check_numbers(SettingPlace::Target(contact), &TARGET, target)?;
     }
     Ok(())
 }
@@ -192,32 +194,27 @@ pub fn check_step_settings<T: Copy + Into<f64>>(numbers: &[T]) -> Result<(), Set
     for ((name, range), &number) in STEP_SETTINGS.iter().zip(settings) {
         range.check(name, SettingPlace::Settings, number.into())?;
     }
-    for (contact, surface) in surfaces.chunks_exact(ContactSurface::<f64>::COUNT).enumerate() {
-        check_numbers(contact, &SURFACE, surface)?;
+    for (shape, surface) in surfaces.chunks_exact(ContactSurface::<f64>::COUNT).enumerate() {
+        check_numbers(SettingPlace::Surface(shape), &SURFACE, surface)?;
     }
     Ok(())
 }
 
-/// Checks the numbers of the target of a contact.
-fn check_target<T: Copy + Into<f64>>(contact: usize, target: &[T]) -> Result<(), SettingError> {
-    check_numbers(contact, &TARGET, target)
-}
-
-/// Checks the numbers of a contact, which begin with a rotation, by their names, ranges and counts.
+/// Checks the numbers of a target or a surface, which begin with a rotation, by their names, ranges
+/// and counts.
 fn check_numbers<T: Copy + Into<f64>>(
-    contact: usize,
+    place: SettingPlace,
     rows: &[(&'static str, SettingRange, usize)],
-    target: &[T],
+    given: &[T],
 ) -> Result<(), SettingError> {
-    let place = SettingPlace::Contact(contact);
-    let mut numbers = target.iter().map(|&number| number.into());
+    let mut numbers = given.iter().map(|&number| number.into());
     for &(name, range, count) in rows {
         for number in numbers.by_ref().take(count) {
             range.check(name, place, number)?;
         }
     }
     let mut rotation = [0.0; 9];
-    rotation.iter_mut().zip(target).for_each(|(entry, &number)| *entry = number.into());
+    rotation.iter_mut().zip(given).for_each(|(entry, &number)| *entry = number.into());
     check_rotation(&rotation, place)
 }
 
@@ -233,8 +230,9 @@ impl<T: Copy + Into<f64>, C: AsRef<[ContactTarget<T>]>> ConstraintSettings<T, C>
     /// The first setting that is not.
     pub fn check(&self) -> Result<(), SettingError> {
         check_settings(&self.numbers())?;
-        let mut targets = self.contacts.as_ref().iter().enumerate();
-        targets.try_for_each(|(contact, target)| check_target(contact, &target.numbers()))
+        self.targets.as_ref().iter().enumerate().try_for_each(|(contact, target)| {
+            check_numbers(SettingPlace::Target(contact), &TARGET, &target.numbers())
+        })
     }
 }
 
@@ -245,7 +243,7 @@ impl<T: Copy + Into<f64>> ContactSurface<T> {
     ///
     /// The first setting that is not.
     pub fn check(&self) -> Result<(), SettingError> {
-        check_numbers(0, &SURFACE, &self.numbers())
+        check_numbers(SettingPlace::Surface(0), &SURFACE, &self.numbers())
     }
 }
 
@@ -259,9 +257,9 @@ impl<T: Copy + Into<f64>, C: AsRef<[ContactSurface<T>]>> StepSettings<T, C> {
     /// The first setting that is not.
     pub fn check(&self) -> Result<(), SettingError> {
         check_step_settings(&self.numbers())?;
-        let mut surfaces = self.contacts.as_ref().iter().enumerate();
-        surfaces
-            .try_for_each(|(contact, surface)| check_numbers(contact, &SURFACE, &surface.numbers()))
+        self.surfaces.as_ref().iter().enumerate().try_for_each(|(shape, surface)| {
+            check_numbers(SettingPlace::Surface(shape), &SURFACE, &surface.numbers())
+        })
     }
 }
 
@@ -271,7 +269,8 @@ impl fmt::Display for SettingError {
         write!(f, "`{name}`")?;
         match place {
             SettingPlace::Settings => write!(f, " of `settings`")?,
-            SettingPlace::Contact(contact) => write!(f, " of `settings.contacts[{contact}]`")?,
+            SettingPlace::Target(contact) => write!(f, " of `settings.targets[{contact}]`")?,
+            SettingPlace::Surface(shape) => write!(f, " of `settings.surfaces[{shape}]`")?,
             SettingPlace::HeightField => write!(f, " of the height field")?,
             SettingPlace::Height { row, column } => {
                 write!(f, "[{row}, {column}] of the height field")?
@@ -318,7 +317,7 @@ mod tests {
     fn numbers() -> [f64; COUNT] {
         let settings = ConstraintSettings::<f64, [ContactTarget<f64>; 2]>::DEFAULT;
         let mut numbers = [0.0; COUNT];
-        let targets = settings.contacts.iter().flat_map(|target| target.numbers());
+        let targets = settings.targets.iter().flat_map(|target| target.numbers());
         let all = settings.numbers().into_iter().chain(targets);
         numbers.iter_mut().zip(all).for_each(|(place, number)| *place = number);
         numbers
@@ -330,7 +329,7 @@ mod tests {
         let settings = names.into_iter().map(|name| (name, SettingPlace::Settings));
         let target = |contact| {
             TARGET.iter().flat_map(move |&(name, _, count)| {
-                core::iter::repeat_n((name, SettingPlace::Contact(contact)), count)
+                core::iter::repeat_n((name, SettingPlace::Target(contact)), count)
             })
         };
         let mut all = settings.chain(target(0)).chain(target(1));
@@ -388,7 +387,7 @@ mod tests {
         let mut is_allowed = |rotation: [[f64; 3]; 3]| {
             ground.pose.rotation = rotation;
             let settings = ConstraintSettings::<f64, [_; 1]>::DEFAULT;
-            ConstraintSettings { contacts: [ground], ..settings }.check().is_ok()
+            ConstraintSettings { targets: [ground], ..settings }.check().is_ok()
         };
         assert!(is_allowed([[0.6, -0.8, 0.0], [0.8, 0.6, 0.0], [0.0, 0.0, 1.0]]));
         // Three digits, as in many files.

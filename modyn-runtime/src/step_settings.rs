@@ -9,7 +9,7 @@ use crate::spatial::Pose;
 /// use modyn_runtime::{ContactSurface, StepSettings};
 ///
 /// let ice = ContactSurface { friction: 0.05, ..ContactSurface::<f64>::GROUND };
-/// let settings = StepSettings::<f64, [_; 4]> { contacts: [ice; 4], ..Default::default() };
+/// let settings = StepSettings::<f64, [_; 4]> { surfaces: [ice; 4], ..Default::default() };
 /// assert_eq!(settings.impratio, 1.0);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,8 +23,8 @@ pub struct StepSettings<T, C = [ContactSurface<T>; 0]> {
     /// contact separates at the speed of its slip times the friction; this share of that speed, by the
     /// slip before the step, is subtracted.
     pub coulomb: T,
-    /// The surface at each contact.
-    pub contacts: C,
+    /// The surface under each shape that touches the ground: an array.
+    pub surfaces: C,
 }
 
 /// The surfaces of a contact: a plane, and the rounding of the shape that touches it.
@@ -58,8 +58,8 @@ impl<T: Copy, C> StepSettings<T, C> {
 
     /// Returns the settings from the tolerance, `impratio` and `coulomb`.
     #[must_use]
-    pub fn from_numbers([tolerance, impratio, coulomb]: [T; 3], contacts: C) -> Self {
-        Self { tolerance, impratio, coulomb, contacts }
+    pub fn from_numbers([tolerance, impratio, coulomb]: [T; 3], surfaces: C) -> Self {
+        Self { tolerance, impratio, coulomb, surfaces }
     }
 
     /// Returns the tolerance, `impratio` and `coulomb`. In an array of all settings, the numbers of
@@ -147,7 +147,7 @@ macro_rules! defaults {
             #[must_use]
             pub fn rigid(mut self) -> Self {
                 self.coulomb = 1.0;
-                for surface in self.contacts.as_mut() {
+                for surface in self.surfaces.as_mut() {
                     // A time constant below two time steps acts as two time steps.
                     surface.solref = [1e-6, 2.0];
                     surface.solimp = [$impedance, $impedance, 0.001, 0.5];
@@ -163,7 +163,7 @@ macro_rules! defaults {
                 tolerance: $tolerance,
                 impratio: 1.0,
                 coulomb: 0.0,
-                contacts: [ContactSurface::<$float>::GROUND; N],
+                surfaces: [ContactSurface::<$float>::GROUND; N],
             };
         }
 

@@ -41,7 +41,7 @@ pub fn arguments(function: Function, model: &Model, state: &State) -> Vec<Vec<f6
             }
             (_, ArgumentKind::Time) => vec![1.0 / 128.0],
             (_, ArgumentKind::RandomNumbers) => several(0.0, 1.0),
-            (_, ArgumentKind::Contacts) => {
+            (_, ArgumentKind::ActiveContacts) => {
                 let all = state.qd.first().is_some_and(|&first| first > 0.0);
                 (0..length).map(|contact| f64::from(u8::from(all || contact % 2 == 0))).collect()
             }

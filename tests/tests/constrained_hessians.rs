@@ -87,7 +87,7 @@ fn point(model: &Model, seed: u64, active: Vec<bool>, wrenches: f64) -> Point {
     let targets = model.contacts().iter().map(|_| target(random)).collect();
     let ConstraintSettings { tolerance, rounding, .. } = ConstraintSettings::<f64>::EXACT;
     let (alpha, beta) = (1.5, 2.5);
-    let settings = ConstraintSettings { alpha, beta, tolerance, rounding, contacts: targets };
+    let settings = ConstraintSettings { alpha, beta, tolerance, rounding, targets };
     let wrench = |random: &mut Random| {
         let [force, moment] = [(); 2].map(|()| three(random).map(|x| wrenches * x));
         Wrench { force: force.into(), moment: moment.into() }
@@ -123,7 +123,7 @@ fn compiled(model: &Model, point: &Point) -> Vec<f64> {
     let Point { q, qd, tau, cotangent, wrench_cotangent, active, settings } = point;
     let weights: Vec<f64> = wrench_cotangent.iter().flat_map(Wrench::components).collect();
     let active: Vec<f64> = active.iter().map(|&active| f64::from(u8::from(active))).collect();
-    let targets: Vec<f64> = settings.contacts.iter().flat_map(ContactTarget::numbers).collect();
+    let targets: Vec<f64> = settings.targets.iter().flat_map(ContactTarget::numbers).collect();
     let inputs = [
         &q[..],
         qd,
@@ -188,7 +188,7 @@ fn second(
 fn expected(model: &Model, point: &Point) -> Vec<f64> {
     let n = model.nv();
     let number = HyperDual64::from_f64;
-    let contacts = point.settings.contacts.iter();
+    let contacts = point.settings.targets.iter();
     let contacts = contacts.map(|own| ContactTarget::from_numbers(own.numbers().map(number)));
     let settings = ConstraintSettings::from_numbers(
         point.settings.numbers().map(number),
@@ -263,7 +263,7 @@ fn contacts_with_compliance_share_a_body() {
         let last = tree.frames().len() - 1;
         let model = touching(&tree, &[(OfPoint, last); 3], random);
         let mut point = point(&model, seed, vec![true; 3], 1.0);
-        for (k, target) in (1..).zip(&mut point.settings.contacts) {
+        for (k, target) in (1..).zip(&mut point.settings.targets) {
             target.compliance = 0.1 * f64::from(k);
         }
         let rank = compare(&format!("redundant, seed {seed}"), &model, &point);
@@ -346,7 +346,7 @@ fn rigid_contacts_share_a_body() {
         let model = touching(&tree, &feet, random);
         let mut point = point(&model, seed, vec![true; 4], 0.0);
         point.qd[..6].fill(0.0);
-        for target in &mut point.settings.contacts[..3] {
+        for target in &mut point.settings.targets[..3] {
             let at_origin = Pose { translation: [0.0; 3], ..target.pose };
             let (alpha, beta, tangential) = (0.7, 1.3, 1.0);
             *target = ContactTarget {
@@ -366,7 +366,7 @@ fn rigid_contacts_share_a_body() {
                 ResidualOutputs { displacements: &mut places, velocities: &mut velocities },
             )
             .expect("fits");
-        for (target, place) in point.settings.contacts[..3].iter_mut().zip(&places) {
+        for (target, place) in point.settings.targets[..3].iter_mut().zip(&places) {
             target.pose.translation = place.linear.0;
         }
         let rank = compare(&format!("shared, seed {seed}"), &model, &point);

@@ -21,8 +21,8 @@ fn settings(model: &Model, restitution: f64) -> Settings {
     let ConstraintSettings { alpha, beta, tolerance, rounding, .. } =
         ConstraintSettings::<f64>::EXACT;
     let target = ContactTarget { restitution, ..ContactTarget::<f64>::EXACT };
-    let contacts = vec![target; model.contacts().len()];
-    ConstraintSettings { alpha, beta, tolerance, rounding, contacts }
+    let targets = vec![target; model.contacts().len()];
+    ConstraintSettings { alpha, beta, tolerance, rounding, targets }
 }
 
 fn components(wrenches: &[Wrench<f64>]) -> Vec<f64> {

@@ -98,11 +98,11 @@ fn pose(random: &mut Random) -> Pose<f64> {
 
 /// Returns targets anywhere, moving, stabilized and compliant, and loops that are stabilized.
 fn settings(model: &Model, random: &mut Random) -> Settings<f64> {
-    let mut contacts = Vec::new();
+    let mut targets = Vec::new();
     for _ in model.contacts() {
         let mut three = |size: f64| Vector3([0; 3].map(|_| random.between(-size, size)));
         let velocity = Twist { angular: three(1.0), linear: three(1.0) };
-        contacts.push(ContactTarget {
+        targets.push(ContactTarget {
             pose: pose(random),
             velocity,
             tangential: 0.3,
@@ -112,14 +112,14 @@ fn settings(model: &Model, random: &mut Random) -> Settings<f64> {
         });
     }
     let ConstraintSettings { tolerance, rounding, .. } = ConstraintSettings::<f64>::DEFAULT;
-    ConstraintSettings { alpha: 2.0, beta: 4.0, tolerance, rounding, contacts }
+    ConstraintSettings { alpha: 2.0, beta: 4.0, tolerance, rounding, targets }
 }
 
 fn in_tangents(settings: &Settings<f64>) -> Settings<Tangent<f64>> {
     let number = |x: f64| constant(&[x])[0];
     let target = |t: &ContactTarget<f64>| ContactTarget::from_numbers(t.numbers().map(number));
-    let contacts = settings.contacts.iter().map(target).collect();
-    ConstraintSettings::from_numbers(settings.numbers().map(number), contacts)
+    let targets = settings.targets.iter().map(target).collect();
+    ConstraintSettings::from_numbers(settings.numbers().map(number), targets)
 }
 
 /// Returns the robot with loops of these types between two pairs of links, and two contacts. The frames of a loop are
@@ -226,7 +226,7 @@ fn closed_loops_as_pinocchio() {
         let n = golden.model.nv();
         let ConstraintSettings { tolerance, rounding, .. } = ConstraintSettings::<f64>::EXACT;
         let settings =
-            ConstraintSettings { alpha: 0.0, beta: 0.0, tolerance, rounding, contacts: Vec::new() };
+            ConstraintSettings { alpha: 0.0, beta: 0.0, tolerance, rounding, targets: Vec::new() };
         for state in &golden.states {
             let [q, qd, tau] = [state.q(), state.vector("v"), state.vector("tau")];
             let found = derivatives(&golden.model, [&q, &qd, &tau], &[], &settings);

@@ -27,7 +27,7 @@ fn check(model: &Model, function: Function, state: &State) -> usize {
     let mut effective = 0;
     for (at, own) in function.row().arguments.iter().enumerate() {
         // A set has members, and no numbers.
-        if own.kind == ArgumentKind::Contacts {
+        if own.kind == ArgumentKind::ActiveContacts {
             continue;
         }
         for k in 0..given[at].len() {

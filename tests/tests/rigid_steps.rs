@@ -79,9 +79,8 @@ impl Legged {
     }
 
     fn quadruped() -> Self {
-        let feet = ["front_left", "front_right", "hind_left", "hind_right"];
-        let feet = feet.map(|leg| format!("{leg}_foot"));
-        let feet: Vec<(&str, [f64; 3])> = feet.iter().map(|foot| (&**foot, [0.0; 3])).collect();
+        let feet = ["front_left_foot", "front_right_foot", "hind_left_foot", "hind_right_foot"]
+            .map(|foot| (foot, [0.0; 3]));
         Self::new("quadruped", &feet, |joint| {
             let side = if joint.starts_with("front") { 1.0 } else { -1.0 };
             match joint {
@@ -116,7 +115,7 @@ impl Legged {
         let mut settings = self.model.step_settings();
         let mut plane = Pose::identity();
         let mut frame = usize::MAX;
-        for (contact, surface) in self.model.contacts().iter().zip(&mut settings.contacts) {
+        for (contact, surface) in self.model.contacts().iter().zip(&mut settings.surfaces) {
             let end = &contact.end;
             if frame != end.frame {
                 frame = end.frame;
@@ -177,7 +176,7 @@ impl Distance {
         let mut qd = end.qd.clone();
         let linear = turned.mul_vector(Vector3([qd[0], qd[1], qd[2]]));
         qd[..3].copy_from_slice(&linear.0);
-        let contacts = contacts.iter().zip(&settings.contacts).zip(&end.forces);
+        let contacts = contacts.iter().zip(&settings.surfaces).zip(&end.forces);
         for ((Contact { end, .. }, surface), force) in contacts {
             let axes = Matrix3(surface.plane.rotation);
             let [point, lever] = place(robot, &start.q, end);
@@ -257,8 +256,8 @@ fn rigid_contacts_are_near_complementarity_and_coulombs_law() {
         for cone in [Cone::Pyramidal, Cone::Elliptic] {
             let [rigid, by_mujoco] = Distance::of(&legged, cone);
             let Distance { closing, sticking, sliding, separation, angle } = &rigid;
-            let row = [sticking, closing, sliding, separation, &by_mujoco.separation];
-            let row = row.map(|numbers| {
+            let speeds = [sticking, closing, sliding, separation, &by_mujoco.separation];
+            let row = speeds.map(|numbers| {
                 let [median, most] = [0.5, 0.99].map(|share| 1e3 * quantile(numbers, share));
                 format!("{median:.2}, {most:.2}")
             });

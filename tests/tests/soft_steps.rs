@@ -128,7 +128,7 @@ fn steps_are_those_of_mujoco() {
     for file in list(&data()) {
         let model = robot(file);
         let mut interpreter = Interpreter::<f64>::new(model.clone());
-        let contacts = surfaces(file);
+        let surfaces = surfaces(file);
         for state in list(&file["states"]) {
             let cone = match text(&state["cone"]) {
                 "pyramidal" => Cone::Pyramidal,
@@ -140,7 +140,7 @@ fn steps_are_those_of_mujoco() {
                 tolerance: 1e-12,
                 impratio: number(&file["ratio"]),
                 coulomb: 0.0,
-                contacts: &*contacts,
+                surfaces: &*surfaces,
             };
             let [q, qd, tau] = ["q", "qd", "tau"].map(|name| numbers(&state[name]));
             let tau = [&[0.0; 6][..], &tau].concat();
@@ -150,7 +150,7 @@ fn steps_are_those_of_mujoco() {
             let input = StepInput { step, warm_start: &warm_start };
             let mut found = [vec![0.0; q.len()], vec![0.0; qd.len()]];
             let mut qdd = warm_start.clone();
-            let mut forces = vec![0.0; 3 * contacts.len()];
+            let mut forces = vec![0.0; 3 * surfaces.len()];
             let [mut residual, mut iterations] = [0.0; 2];
             let [next_q, next_qd] = &mut found;
             let outputs = StepSolutionOutputs {

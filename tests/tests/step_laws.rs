@@ -109,7 +109,7 @@ fn momentum_changes_by_forces_from_outside() {
                 let [mut force, mut moment] = [weight, Vector3([0.0; 3])];
                 let mut size = weight.dot(weight).sqrt();
                 for (TouchingPoint { shape, place, .. }, in_plane) in points.iter().zip(&forces) {
-                    let plane = settings.contacts[*shape].plane.rotation;
+                    let plane = settings.surfaces[*shape].plane.rotation;
                     let push = Matrix3(plane).mul_vector(Vector3(*in_plane));
                     force += push;
                     moment += (*place - center).cross(push);
@@ -144,7 +144,7 @@ fn slippery_ground_keeps_the_momentum_along_it() {
     let [mut largest, mut pushed] = [0.0_f64; 2];
     for (seed, Floating { model, states }) in floating().into_iter().enumerate().step_by(12) {
         let mut robot = Interpreter::<f64>::new(model.clone());
-        let plane = Matrix3(model.step_settings().contacts[0].plane.rotation);
+        let plane = Matrix3(model.step_settings().surfaces[0].plane.rotation);
         let along = [plane.column(0), plane.column(1)];
         let [q, qd, _] = &states[0];
         let tau = vec![0.0; model.nv()];
@@ -152,7 +152,7 @@ fn slippery_ground_keeps_the_momentum_along_it() {
         let steps = 150;
         let change = |friction: f64, robot: &mut Interpreter<f64>| {
             let mut settings = model.step_settings();
-            for surface in &mut settings.contacts {
+            for surface in &mut settings.surfaces {
                 surface.friction = friction;
             }
             let momentum = |robot: &mut Interpreter<f64>, q: &[f64], qd: &[f64]| {

@@ -91,7 +91,7 @@ pub(crate) const GAINS: Gains = Gains { kp: 400.0, kd: 40.0 };
 
 /// The ground of the simulation, nearly rigid.
 const GROUND: StepSettings<f64, [ContactSurface<f64>; 4]> = StepSettings {
-    contacts: [ContactSurface {
+    surfaces: [ContactSurface {
         solref: [0.001, 1.0],
         solimp: [0.99, 0.999, 0.0005, 0.5],
         ..ContactSurface::<f64>::GROUND

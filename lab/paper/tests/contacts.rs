@@ -66,9 +66,9 @@ fn compiled_contacts_are_the_interpreters() {
     assert_eq!(Quadruped::CONTACT_NAMES, ["front left", "front right", "hind left", "hind right"]);
     assert_eq!(QuadrupedContacts::default(), QuadrupedContacts::NONE);
     let mut settings = Settings::DEFAULT;
-    settings.contacts[2].tangential = 0.5;
-    settings.contacts[1].velocity.linear.0[0] = 0.3;
-    settings.contacts[3].compliance = 0.01;
+    settings.targets[2].tangential = 0.5;
+    settings.targets[1].velocity.linear.0[0] = 0.3;
+    settings.targets[3].compliance = 0.01;
     for contacts in [
         QuadrupedContacts::ALL,
         QuadrupedContacts::NONE,

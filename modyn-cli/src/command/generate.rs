@@ -83,7 +83,7 @@ struct Rollout {
     /// step
     #[arg(long, value_name = "FILE", requires_all = ["rollout", "controls"])]
     forces: Option<PathBuf>,
-    /// The text of the function `contacts`, which proposes the active contacts of a step; with it
+    /// The text of the function `active_contacts`, which proposes the active contacts of a step; with it
     /// and the functions `constrained_forward_dynamics` and `integrate` there is a kernel of steps
     /// that hold them
     #[arg(long, value_name = "FILE", requires = "rollout")]
@@ -107,8 +107,8 @@ impl Rollout {
             (Some(path), Some(controls)) => Some(RolloutForces { text: read(path)?, controls }),
             _ => None,
         };
-        let contacts = self.active_contacts.as_ref().map(read).transpose()?;
-        Ok(self.rollout.then_some(RolloutOptions { cost, forces, contacts }))
+        let active_contacts = self.active_contacts.as_ref().map(read).transpose()?;
+        Ok(self.rollout.then_some(RolloutOptions { cost, forces, active_contacts }))
     }
 }
 

@@ -251,8 +251,8 @@ pub(super) fn docs_of_field(record: &str, field: &str) -> Option<&'static str> {
         }
         ("step_solution" | "actuated_step", "residual") => "relative to the largest force",
         ("step_solution" | "actuated_step", "iterations") => "their number",
-        ("constraint_settings", "contacts") => "in the order of the contacts",
-        ("step_settings", "contacts") => "in the order of the shapes that touch the ground",
+        ("constraint_settings", "targets") => "in the order of the contacts",
+        ("step_settings", "surfaces") => "in the order of the shapes that touch the ground",
         (_, "rank") => "the number of independent rows of the active constraints",
         ("step_settings", "tolerance") => "the residual at which the solver stops",
         ("step_settings", "impratio") => {

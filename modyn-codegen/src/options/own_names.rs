@@ -8,8 +8,8 @@ use crate::plan::Function;
 
 /// Names of functions and other items that generated code has beside the functions of the table.
 const RESERVED: &[&str] = &[
+    "active_contacts",
     "check_configuration",
-    "contacts",
     "default_parameters",
     "joint",
     "link",

@@ -177,7 +177,7 @@ impl Tracer<'_> {
                 &mut tau,
             );
             let settings = settings_of(&settings);
-            let targets = &*settings.contacts;
+            let targets = &*settings.targets;
             let moved = relative_velocities(model, targets, State { q: &q, qd: &a }, workspaces);
             let accelerations = relative_accelerations(model, targets, motion, workspaces);
             let [displacements, velocities] = residuals(model, targets, state, workspaces);

@@ -54,11 +54,11 @@ static void print(const double *numbers, size_t size) {
 int main(void) {
     ours_step_settings_t settings = ours_default_step_settings;
     ours_constraint_settings_t constraints = ours_default_constraint_settings;
-    ours_contact_target_t *target = &constraints.contacts[OURS_CONTACT_RIGHT];
+    ours_contact_target_t *target = &constraints.targets[OURS_CONTACT_RIGHT];
     settings.impratio = 2.0;
-    settings.contacts[OURS_SHAPE_LEFT].friction = 0.25;
-    settings.contacts[OURS_SHAPE_RIGHT].plane.translation[2] = -0.5;
-    settings.contacts[OURS_SHAPE_RIGHT].solimp[3] = 0.75;
+    settings.surfaces[OURS_SHAPE_LEFT].friction = 0.25;
+    settings.surfaces[OURS_SHAPE_RIGHT].plane.translation[2] = -0.5;
+    settings.surfaces[OURS_SHAPE_RIGHT].solimp[3] = 0.75;
     print((const double *)&settings, sizeof settings);
     target->pose.translation[1] = 1.0;
     target->pose.rotation[1][2] = 0.125;
@@ -89,11 +89,11 @@ fn numbers_have_names() {
         |names: &[String], name: &str| names.iter().position(|x| x == name).expect(name) as f64;
     let mut settings = model.step_settings();
     settings.impratio = 2.0;
-    settings.contacts[0].friction = 0.25;
-    settings.contacts[1].plane.translation[2] = -0.5;
-    settings.contacts[1].solimp[3] = 0.75;
+    settings.surfaces[0].friction = 0.25;
+    settings.surfaces[1].plane.translation[2] = -0.5;
+    settings.surfaces[1].solimp[3] = 0.75;
     let mut constraints = ConstraintSettings::<f64, [ContactTarget<f64>; 2]>::DEFAULT;
-    let target = &mut constraints.contacts[1];
+    let target = &mut constraints.targets[1];
     target.pose.rotation[1][2] = 0.125;
     target.pose.translation[1] = 1.0;
     target.velocity.linear.0[0] = 2.0;
@@ -102,7 +102,7 @@ fn numbers_have_names() {
     let link = model.frame_index("front_left_foot").expect("a link") as f64;
     let mut expected = settings.all_numbers();
     expected.extend(constraints.numbers());
-    expected.extend(constraints.contacts.iter().flat_map(ContactTarget::numbers));
+    expected.extend(constraints.targets.iter().flat_map(ContactTarget::numbers));
     expected.push(place(&model.coordinate_names(), "front_left_knee"));
     expected.push(place(&model.velocity_names(), "front_left_knee"));
     expected.push(link);
@@ -153,7 +153,7 @@ fn contacts_are_arguments() {
     let feet = [point("left", "front_left_foot"), point("right", "hind_right_foot")];
     let builder = builder.functions([Function::ConstrainedForwardDynamics]).contacts(feet);
     let header = &builder.emit(Target::C).expect("good").files[1].text;
-    let declared = "const double contacts[2], const quadruped_constraint_settings_t *settings, \
+    let declared = "const double active[2], const quadruped_constraint_settings_t *settings, \
                     quadruped_constrained_forward_dynamics_t *out";
     assert!(header.contains(declared), "{header}");
 }

@@ -61,7 +61,9 @@ fn given(name: &str, argument: &Argument, shape: &Shape) -> String {
         format!("Given<{rows}, {columns}>(static_cast<const real *>({name}))")
     };
     match shape {
-        _ if argument.kind == ArgumentKind::Contacts => format!("flags<{}>({name})", shape.len()),
+        _ if argument.kind == ArgumentKind::ActiveContacts => {
+            format!("flags<{}>({name})", shape.len())
+        }
         Shape::Array(element, count, _) => match &**element {
             Shape::Record(Record::Spatial("Vector3"), _) => map(3, *count),
             Shape::Record(..) => format!("Structured{{{name}}}"),

@@ -185,7 +185,7 @@ fn rollouts_are_loops_of_steps() {
          for (int j = 0; j < 3; ++j) {{ sum += (pose[9 + j] - data[2 + j]) * (pose[9 + j] - data[2 + j]); }}\n    \
          return sum;\n}}\n"
     );
-    let options = RolloutOptions { cost: Some(cost), forces: Some(forces), contacts: None };
+    let options = RolloutOptions { cost: Some(cost), forces: Some(forces), active_contacts: None };
     let theirs = builder.clone().type_name("Theirs");
     let (source, _) = theirs.emit_rollouts(GpuLanguage::Cuda, &options).expect("good");
     let names: Vec<&str> = source.rollouts.iter().map(|rollout| &*rollout.name).collect();
@@ -233,11 +233,12 @@ fn rollouts_that_hold_contacts() {
     let functions = [Function::ConstrainedForwardDynamics, Function::Integrate, Function::LinkPose];
     let builder = robot("quadruped").functions(functions).base(Base::Floating).contacts(feet());
     let theirs = builder.clone().type_name("Theirs");
-    let proposed = "static __device__ void contacts(const theirs_real *q, const theirs_real *qd, const theirs_real *u, \
+    let proposed = "static __device__ void active_contacts(const theirs_real *q, const theirs_real *qd, const theirs_real *u, \
                     unsigned int step, const theirs_real *data, theirs_real *active)\n{\n    theirs_real pose[12];\n    \
                     theirs_link_pose_front_left_foot(q, pose);\n    active[0] = pose[11] < data[1] ? 1 : 0;\n    \
                     active[1] = step % 3 != 0 ? 1 : 0;\n}\n";
-    let options = RolloutOptions { contacts: Some(proposed.into()), ..RolloutOptions::default() };
+    let options =
+        RolloutOptions { active_contacts: Some(proposed.into()), ..RolloutOptions::default() };
     let (source, _) = theirs.emit_rollouts(GpuLanguage::Cuda, &options).expect("good");
     let [rollout] = &*source.rollouts else { panic!("one kernel") };
     assert_eq!((&*rollout.name, rollout.settings), ("theirs_rollout_constrained", 52));
@@ -426,7 +427,8 @@ fn rollouts_that_close_loops() {
 #[test]
 fn contacts_of_rollouts_need_their_functions() {
     let builder = robot("arm6").functions([Function::StepSemiImplicit]);
-    let options = RolloutOptions { contacts: Some(String::new()), ..RolloutOptions::default() };
+    let options =
+        RolloutOptions { active_contacts: Some(String::new()), ..RolloutOptions::default() };
     let error = builder.emit_rollouts(GpuLanguage::Wgsl, &options).expect_err("no contacts");
     assert!(error.to_string().contains("`constrained_forward_dynamics` and"), "{error}");
 }

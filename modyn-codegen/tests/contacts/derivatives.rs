@@ -219,7 +219,7 @@ fn derivatives_of_redundant_contacts_have_the_smallest_norm() {
     for active in masks(&model, &mut random, 14) {
         let mut state = state(&model, &mut random);
         let mut settings = exact(&model);
-        settings.contacts.iter_mut().for_each(|target| target.alpha = 3.0);
+        settings.targets.iter_mut().for_each(|target| target.alpha = 3.0);
         let mut interpreter = Interpreter::new(model.clone());
         // The active contacts are at rest.
         let (mut dq, mut dqd) = (vec![0.0; nv], vec![0.0; nv]);

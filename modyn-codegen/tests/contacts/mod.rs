@@ -148,8 +148,8 @@ type Settings = ConstraintSettings<f64, Vec<ContactTarget<f64>>>;
 fn exact(model: &Model) -> Settings {
     let ConstraintSettings { alpha, beta, tolerance, rounding, .. } =
         ConstraintSettings::<f64>::EXACT;
-    let contacts = vec![ContactTarget::<f64>::EXACT; model.contacts().len()];
-    ConstraintSettings { alpha, beta, tolerance, rounding, contacts }
+    let targets = vec![ContactTarget::<f64>::EXACT; model.contacts().len()];
+    ConstraintSettings { alpha, beta, tolerance, rounding, targets }
 }
 
 fn rotation([r, p, y]: [f64; 3]) -> Matrix3<f64> {
@@ -171,7 +171,7 @@ fn column(m: &Matrix3<f64>, k: usize) -> V3<f64> {
 /// Targets anywhere, moving, stabilized and compliant.
 fn general(model: &Model, random: &mut Random, compliance: f64) -> Settings {
     let mut settings = exact(model);
-    for target in &mut settings.contacts {
+    for target in &mut settings.targets {
         let pose =
             Pose { rotation: rows(&rotation(random.three(3.0))), translation: random.three(1.0) };
         let velocity =
@@ -304,7 +304,7 @@ fn dense(model: &Model, state: &State, active: &[bool], settings: &Settings) -> 
     // By row: contact, whether it is a rotation, Jacobian in units of length, wanted acceleration.
     let mut all = Vec::new();
     for (c, contact) in model.contacts().iter().enumerate().filter(|(c, _)| active[*c]) {
-        let target = &settings.contacts[c];
+        let target = &settings.targets[c];
         let found = frame(&mut interpreter, state, c);
         let moving = target.velocity.components();
         let parts = displacement(&found, target, contact.kind);
@@ -329,7 +329,7 @@ fn dense(model: &Model, state: &State, active: &[bool], settings: &Settings) -> 
     let response = cholesky.solve(&jacobian.transpose());
     let mut delassus = &jacobian * &response;
     for (i, row) in all.iter().enumerate() {
-        delassus[(i, i)] += settings.contacts[row.0].compliance;
+        delassus[(i, i)] += settings.targets[row.0].compliance;
     }
     let right = wanted - &jacobian * &free;
     // The matrix is symmetric. Solutions by nalgebra's singular values are wrong by 1e-4 for one of these robots.
@@ -444,7 +444,7 @@ fn redundant_contacts_share_their_forces_and_no_mask_makes_a_number_that_is_none
         state.qd.fill(0.0);
         for compliance in [0.0, 1e-3] {
             let mut settings = exact(&model);
-            settings.contacts.iter_mut().for_each(|target| target.compliance = compliance);
+            settings.targets.iter_mut().for_each(|target| target.compliance = compliance);
             let found = interpreted(&model, &state, &active, &settings);
             let all = found.qdd.iter().chain(found.wrenches.iter().flatten());
             assert!(all.into_iter().all(|x| x.is_finite()), "{found:?}");
@@ -518,7 +518,7 @@ fn what_gets_compiled_is_what_the_interpreter_computes() {
             expected.zip(&found).for_each(|(a, b)| assert!((a - b).abs() < 1e-10));
             for (c, (own, contact)) in displacements.iter().zip(model.contacts()).enumerate() {
                 let frame = frame(&mut interpreter, &state, c);
-                let [a, l] = displacement(&frame, &settings.contacts[c], contact.kind);
+                let [a, l] = displacement(&frame, &settings.targets[c], contact.kind);
                 let expected = [a.as_slice(), l.as_slice()].concat();
                 own.components()
                     .iter()
@@ -597,9 +597,9 @@ fn chunks_with_dependent_rows_name_types_that_they_have() {
 }
 
 fn numbers(settings: &Settings) -> Vec<f64> {
-    let ConstraintSettings { alpha, beta, tolerance, rounding, contacts } = settings;
+    let ConstraintSettings { alpha, beta, tolerance, rounding, targets } = settings;
     let mut numbers = vec![*alpha, *beta, *tolerance, *rounding];
-    for target in contacts {
+    for target in targets {
         let ContactTarget { pose, velocity, tangential, alpha, beta, .. } = target;
         numbers.extend(pose.rotation.iter().flatten());
         numbers.extend(pose.translation);
@@ -735,7 +735,7 @@ fn for_all(seed: u64, mut check: impl FnMut(&Model, &State, &[bool], &Settings))
         for active in masks(&model, &mut random, 5) {
             let state = state(&model, &mut random);
             let mut settings = general(&model, &mut random, 0.0);
-            for target in &mut settings.contacts {
+            for target in &mut settings.targets {
                 (target.restitution, target.weight) = (random.next().abs(), 1.5 + random.next());
             }
             check(&model, &state, &active, &settings);
@@ -759,7 +759,7 @@ fn velocities_after_an_impact_are_as_the_dense_solution_says() {
         let velocity = &jacobian * &qd;
         let mut wanted = DVector::zeros(kept.len());
         for (i, &(c, k, length)) in kept.iter().enumerate().filter(|(_, row)| active[row.0]) {
-            let target = &settings.contacts[c];
+            let target = &settings.targets[c];
             let moving = target.velocity.components();
             let mut own = -(velocity[i] - moving[k]);
             if k < 3 {
@@ -819,7 +819,7 @@ fn the_operational_space_inertia_is_the_inverse_of_what_the_dense_solution_says(
     for_all(13, |model, state, active, settings| {
         let mut interpreter = Interpreter::new(model.clone());
         let mut settings = settings.clone();
-        settings.contacts.iter_mut().for_each(|target| target.compliance = 0.02);
+        settings.targets.iter_mut().for_each(|target| target.compliance = 0.02);
         let rows = model.constraint_rows();
         let [mut delassus, mut inertia] = [(); 2].map(|()| vec![0.0; rows * rows]);
         let into =
@@ -865,7 +865,7 @@ fn contacts_carry_the_base_with_the_smallest_wrenches() {
         // The smallest: J_b W J_b^T by singular values.
         let scaled = scaled(&jacobian, &kept);
         let columns = scaled.columns(0, base).transpose();
-        let weights: Vec<f64> = kept.iter().map(|row| settings.contacts[row.0].weight).collect();
+        let weights: Vec<f64> = kept.iter().map(|row| settings.targets[row.0].weight).collect();
         let weights = DMatrix::from_diagonal(&DVector::from_vec(weights));
         if base == 0 || !active.contains(&true) {
             assert!(found.iter().all(|&x| x == 0.0) && rank == 0.0);

@@ -171,7 +171,7 @@ fn largest(numbers: &[f64]) -> f64 {
 
 fn compliant(model: &Model, compliance: f64) -> Settings {
     let mut settings = exact(model);
-    settings.contacts.iter_mut().for_each(|target| target.compliance = compliance);
+    settings.targets.iter_mut().for_each(|target| target.compliance = compliance);
     settings
 }
 

@@ -202,14 +202,14 @@ class GpuRobot:
         cost: str | None = None,
         forces: str | None = None,
         controls: int | None = None,
-        contacts: str | None = None,
+        active_contacts: str | None = None,
     ) -> GpuRollout:
         """Returns kernels that integrate motions over many time steps.
 
         The time steps among `functions` become kernels, by default `step_semi_implicit`. `cost` and `forces` are functions
         of yours in WGSL, which may call the functions of the robot (`robot_link_pose_hand`) and read the array `data`;
-        docs/gpu.md has their signatures. `controls` is the number of controls of a step that `forces` takes. `contacts`
-        proposes the active contacts of a step; then `functions` has `constrained_forward_dynamics` and `integrate`.
+        docs/gpu.md has their signatures. `controls` is the number of controls of a step that `forces` takes.
+        `active_contacts` proposes the active contacts of a step; then `functions` has `constrained_forward_dynamics` and `integrate`.
         """
 
 @final
@@ -806,7 +806,7 @@ class Robot:
         states have one more axis, the first.
         """
     def constrained_forward_dynamics(
-        self, q: ArrayLike, qd: ArrayLike, tau: ArrayLike, contacts: ArrayLike | None = None, settings: ConstraintSettings | ArrayLike | None = None, *, out: ConstrainedForwardDynamics | None = None
+        self, q: ArrayLike, qd: ArrayLike, tau: ArrayLike, active: ArrayLike | None = None, settings: ConstraintSettings | ArrayLike | None = None, *, out: ConstrainedForwardDynamics | None = None
     ) -> ConstrainedForwardDynamics:
         """Returns the joint accelerations under the joint forces `tau` with the loops closed and the
         active contacts held. Also returns the wrench on each constraint's link and the unmet part
@@ -815,7 +815,7 @@ class Robot:
         origin in the first frame's axes. Contacts follow, in the order of `contact_names`, at the
         frame's origin in world axes. Redundant rows get the multipliers of smallest norm.
 
-        Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `contacts`: the names of the active
+        Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `active`: the names of the active
         contacts, or (contacts,), 1 for each active one, else 0; by default all are; `settings`:
         `ConstraintSettings`, by default with the ground at z = 0 under all contacts.
         Result: `ConstrainedForwardDynamics`: `qdd` (nv,), `wrenches` (constraints, 6), `residuals`
@@ -836,28 +836,28 @@ class Robot:
         6), linear before angular components. Several states have one more axis, the first.
         """
     def project_constraints(
-        self, q: ArrayLike, qd: ArrayLike, contacts: ArrayLike | None = None, settings: ConstraintSettings | ArrayLike | None = None, *, out: ConstraintProjection | None = None
+        self, q: ArrayLike, qd: ArrayLike, active: ArrayLike | None = None, settings: ConstraintSettings | ArrayLike | None = None, *, out: ConstraintProjection | None = None
     ) -> ConstraintProjection:
         """Returns the smallest step (in the metric of the mass matrix) that closes the loops at `q`
         and moves the active contacts to their targets to first order, the smallest change of `qd`
         that keeps them there, and the number of independent constraint rows. The settings `alpha`
         and `beta` have no effect.
 
-        Arguments: `q`: (nq,); `qd`: (nv,); `contacts`: the names of the active contacts, or
+        Arguments: `q`: (nq,); `qd`: (nv,); `active`: the names of the active contacts, or
         (contacts,), 1 for each active one, else 0; by default all are; `settings`:
         `ConstraintSettings`, by default with the ground at z = 0 under all contacts.
         Result: `ConstraintProjection`: `step_q` (nv,), `step_qd` (nv,), `rank` a number. Several
         states have one more axis, the first.
         """
     def constrained_forward_dynamics_derivatives(
-        self, q: ArrayLike, qd: ArrayLike, tau: ArrayLike, contacts: ArrayLike | None = None, settings: ConstraintSettings | ArrayLike | None = None, *, out: ConstrainedForwardDynamicsDerivatives | None = None
+        self, q: ArrayLike, qd: ArrayLike, tau: ArrayLike, active: ArrayLike | None = None, settings: ConstraintSettings | ArrayLike | None = None, *, out: ConstrainedForwardDynamicsDerivatives | None = None
     ) -> ConstrainedForwardDynamicsDerivatives:
         """Returns the accelerations and the wrenches of `constrained_forward_dynamics`, and their
         derivatives with respect to `q` (in tangent space), `qd` and `tau`. The derivatives of
         wrenches are arrays for each constraint, in the axes of the wrenches. The rank is assumed
         constant; redundant rows get the derivatives of smallest norm.
 
-        Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `contacts`: the names of the active
+        Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `active`: the names of the active
         contacts, or (contacts,), 1 for each active one, else 0; by default all are; `settings`:
         `ConstraintSettings`, by default with the ground at z = 0 under all contacts.
         Result: `ConstrainedForwardDynamicsDerivatives`: `qdd` (nv,), `wrenches` (constraints, 6),
@@ -866,7 +866,7 @@ class Robot:
         a number, forces before moments. Several states have one more axis, the first.
         """
     def constrained_forward_dynamics_hessian(
-        self, q: ArrayLike, qd: ArrayLike, tau: ArrayLike, cotangent: ArrayLike, wrench_cotangent: ArrayLike, contacts: ArrayLike | None = None, settings: ConstraintSettings | ArrayLike | None = None, *, out: ConstrainedForwardDynamicsHessian | None = None
+        self, q: ArrayLike, qd: ArrayLike, tau: ArrayLike, cotangent: ArrayLike, wrench_cotangent: ArrayLike, active: ArrayLike | None = None, settings: ConstraintSettings | ArrayLike | None = None, *, out: ConstrainedForwardDynamicsHessian | None = None
     ) -> ConstrainedForwardDynamicsHessian:
         """Returns the accelerations and the wrenches of `constrained_forward_dynamics`, and the
         gradients and the Hessian of their sum with the weights `cotangent` and `wrench_cotangent`
@@ -875,7 +875,7 @@ class Robot:
         Weights of wrenches need independent rows, or compliance.
 
         Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `cotangent`: (nv,); `wrench_cotangent`:
-        (constraints, 6), forces before moments; `contacts`: the names of the active contacts, or
+        (constraints, 6), forces before moments; `active`: the names of the active contacts, or
         (contacts,), 1 for each active one, else 0; by default all are; `settings`:
         `ConstraintSettings`, by default with the ground at z = 0 under all contacts.
         Result: `ConstrainedForwardDynamicsHessian`: `qdd` (nv,), `wrenches` (constraints, 6),
@@ -884,14 +884,14 @@ class Robot:
         Several states have one more axis, the first.
         """
     def impact_dynamics(
-        self, q: ArrayLike, qd: ArrayLike, contacts: ArrayLike | None = None, settings: ConstraintSettings | ArrayLike | None = None, *, out: ImpactDynamics | None = None
+        self, q: ArrayLike, qd: ArrayLike, active: ArrayLike | None = None, settings: ConstraintSettings | ArrayLike | None = None, *, out: ImpactDynamics | None = None
     ) -> ImpactDynamics:
         """Returns the velocities after an impact that closes the loops and stops the active contacts
         relative to their targets at the same instant, the impulse of each constraint, and the
         number of independent constraint rows. Along its normal, a contact leaves with `restitution`
         times the speed before the impact. The settings `alpha` and `beta` have no effect.
 
-        Arguments: `q`: (nq,); `qd`: (nv,); `contacts`: the names of the active contacts, or
+        Arguments: `q`: (nq,); `qd`: (nv,); `active`: the names of the active contacts, or
         (contacts,), 1 for each active one, else 0; by default all are; `settings`:
         `ConstraintSettings`, by default with the ground at z = 0 under all contacts.
         Result: `ImpactDynamics`: `qd` (nv,), `impulses` (constraints, 6), `rank` a number, forces
@@ -1037,7 +1037,7 @@ class Robot:
         `iterations` a number. Several states have one more axis, the first.
         """
     def constrained_inverse_dynamics(
-        self, q: ArrayLike, qd: ArrayLike, qdd: ArrayLike, contacts: ArrayLike | None = None, settings: ConstraintSettings | ArrayLike | None = None, *, out: ConstrainedInverseDynamics | None = None
+        self, q: ArrayLike, qd: ArrayLike, qdd: ArrayLike, active: ArrayLike | None = None, settings: ConstraintSettings | ArrayLike | None = None, *, out: ConstrainedInverseDynamics | None = None
     ) -> ConstrainedInverseDynamics:
         """Returns the joint forces of the accelerations `qdd`, the wrenches of the active contacts
         that carry the floating bases, and the rank of the contacts' columns of the bases. The
@@ -1045,7 +1045,7 @@ class Robot:
         characteristic length l of each contact. The joint forces of a base are the wrench on it
         that no contact can carry. The wrenches of loop constraints are zero.
 
-        Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,); `contacts`: the names of the active
+        Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,); `active`: the names of the active
         contacts, or (contacts,), 1 for each active one, else 0; by default all are; `settings`:
         `ConstraintSettings`, by default with the ground at z = 0 under all contacts.
         Result: `ConstrainedInverseDynamics`: `tau` (nv,), `wrenches` (constraints, 6), `rank` a
@@ -1074,7 +1074,7 @@ class Robot:
         axis, the first.
         """
     def operational_space_inertia(
-        self, q: ArrayLike, contacts: ArrayLike | None = None, settings: ConstraintSettings | ArrayLike | None = None, *, out: OperationalSpaceInertia | None = None
+        self, q: ArrayLike, active: ArrayLike | None = None, settings: ConstraintSettings | ArrayLike | None = None, *, out: OperationalSpaceInertia | None = None
     ) -> OperationalSpaceInertia:
         """Returns the Delassus matrix J M^-1 J^T of the constraints with the mass matrix M, its
         pseudo-inverse, the operational-space inertia, and the number of independent constraint
@@ -1082,7 +1082,7 @@ class Robot:
         a contact in world axes. The entries of inactive contacts are zero. The Delassus matrix
         contains the compliance.
 
-        Arguments: `q`: (nq,); `contacts`: the names of the active contacts, or (contacts,), 1 for
+        Arguments: `q`: (nq,); `active`: the names of the active contacts, or (contacts,), 1 for
         each active one, else 0; by default all are; `settings`: `ConstraintSettings`, by default
         with the ground at z = 0 under all contacts.
         Result: `OperationalSpaceInertia`: `delassus` (constraint rows, constraint rows), `inertia`

@@ -89,7 +89,7 @@ class ContactTarget:
 class ConstraintSettings:
     """The stabilization of constraints, the limits below which rows count as dependent, and the targets of contacts."""
 
-    contacts: list[ContactTarget] = field(default_factory=list)
+    targets: list[ContactTarget] = field(default_factory=list)
     """the target of each contact, active or not, in the order of `contact_names`"""
     alpha: float = 20.0
     """the damping of the displacements of loop constraints, 1/s"""
@@ -107,7 +107,7 @@ class ConstraintSettings:
         tolerance = tolerance if self.tolerance is None else self.tolerance
         rounding = rounding if self.rounding is None else self.rounding
         numbers = np.array([self.alpha, self.beta, tolerance, rounding])
-        return np.concatenate([numbers, *(np.asarray(contact) for contact in self.contacts)]).astype(wanted)
+        return np.concatenate([numbers, *(np.asarray(target) for target in self.targets)]).astype(wanted)
 
 
 @dataclass
@@ -145,9 +145,9 @@ class ContactSurface:
 
 @dataclass
 class StepSettings:
-    """The settings of `step`: its solver, and the surfaces of the contacts. Names and defaults are MuJoCo's."""
+    """The settings of `step`: its solver, and the surfaces that shapes touch. Names and defaults are MuJoCo's."""
 
-    contacts: list[ContactSurface] = field(default_factory=list)
+    surfaces: list[ContactSurface] = field(default_factory=list)
     """the surface of each shape that touches the ground, in the order of `touching_shape_names`"""
     tolerance: float | None = None
     """the largest mismatch between the forces and their laws at which the solver ends, divided by the sum of the robot's weight and
@@ -162,15 +162,15 @@ class StepSettings:
         """Returns the settings with nearly rigid contacts for all time steps: a contact's motion into the plane, or along it if it
         sticks, ends within a step, and sliding follows Coulomb's law. A violation decays by a sixteenth per step. Use an `impedance` of
         at most 0.99 in single precision."""
-        surfaces = [replace(surface, solref=(1e-6, 2.0), solimp=(impedance, impedance, 0.001, 0.5)) for surface in self.contacts]
-        return replace(self, contacts=surfaces, coulomb=1.0)
+        surfaces = [replace(surface, solref=(1e-6, 2.0), solimp=(impedance, impedance, 0.001, 0.5)) for surface in self.surfaces]
+        return replace(self, surfaces=surfaces, coulomb=1.0)
 
     def __array__(self, dtype: DTypeLike | None = None, copy: bool | None = None) -> NDArray[Any]:
         wanted = np.dtype(dtype)
         tolerance = 1e-4 if wanted == np.float32 else 1e-8
         tolerance = tolerance if self.tolerance is None else self.tolerance
-        surfaces = (number for contact in self.contacts for number in contact._numbers())
-        return np.array([tolerance, self.impratio, self.coulomb, *surfaces], wanted)
+        numbers = (number for surface in self.surfaces for number in surface._numbers())
+        return np.array([tolerance, self.impratio, self.coulomb, *numbers], wanted)
 
 
 class Joint(NamedTuple):

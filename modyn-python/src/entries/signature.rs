@@ -29,8 +29,8 @@ pub fn of<'py>(robot: &Robot, py: Python<'py>, function: Function) -> PyResult<B
         let shape = layout::of_argument(&argument.shape(&sizes));
         let length = shape.iter().product();
         let default = match (argument.kind, robot.scalar()) {
-            (ArgumentKind::Contacts, FloatType::F64) => array(py, vec![1.0_f64; length]),
-            (ArgumentKind::Contacts, FloatType::F32) => array(py, vec![1.0_f32; length]),
+            (ArgumentKind::ActiveContacts, FloatType::F64) => array(py, vec![1.0_f64; length]),
+            (ArgumentKind::ActiveContacts, FloatType::F32) => array(py, vec![1.0_f32; length]),
             (kind @ (ArgumentKind::Settings | ArgumentKind::StepSettings), scalar) => {
                 match scalar {
                     FloatType::F64 => array(py, default_settings::<f64>(kind, robot.model())),

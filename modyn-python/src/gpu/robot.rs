@@ -140,9 +140,9 @@ impl GpuRobot {
     /// The time steps among `functions` become kernels. `cost` and `forces` are functions of yours
     /// in WGSL, which may call the functions of the robot (`robot_link_pose_hand`) and read the
     /// array `data`; docs/gpu.md has their signatures. `controls` is the number of controls of a
-    /// step that `forces` takes. `contacts` proposes the active contacts of a step; then
+    /// step that `forces` takes. `active_contacts` proposes the contacts of a step that are active; then
     /// `functions` has `constrained_forward_dynamics` and `integrate`.
-    #[pyo3(signature = (functions=None, *, cost=None, forces=None, controls=None, contacts=None))]
+    #[pyo3(signature = (functions=None, *, cost=None, forces=None, controls=None, active_contacts=None))]
     fn rollout(
         &self,
         py: Python<'_>,
@@ -150,7 +150,7 @@ impl GpuRobot {
         cost: Option<String>,
         forces: Option<String>,
         controls: Option<usize>,
-        contacts: Option<String>,
+        active_contacts: Option<String>,
     ) -> PyResult<GpuRollout> {
         let functions = match functions {
             None => vec![Function::StepSemiImplicit],
@@ -171,7 +171,7 @@ impl GpuRobot {
                 return Err(PyValueError::new_err(message));
             }
         };
-        let options = RolloutOptions { cost, forces, contacts };
+        let options = RolloutOptions { cost, forces, active_contacts };
         GpuRollout::new(py, &self.gpu, robot, &functions, &options)
     }
 

@@ -93,12 +93,12 @@ impl<S: Scalar> Interpreter<S> {
         let layout = UduLayout::new(&mechanism, &ModuleTree::links(&self.model));
         let mut memory = ConstraintWorkspace::new(&mechanism, &layout);
         let workspace = &mut Workspace::new(&mechanism);
-        let described = settings.contacts.as_ref().iter();
-        let targets = described
-            .map(|target| ContactTarget::from_numbers(target.numbers().map(Tangent::constant)));
-        let contacts: Vec<ContactTarget<Tangent<S>>> = targets.collect();
+        let in_tangents = |target: &ContactTarget<S>| {
+            ContactTarget::from_numbers(target.numbers().map(Tangent::constant))
+        };
+        let targets: Vec<_> = settings.targets.as_ref().iter().map(in_tangents).collect();
         let settings =
-            ConstraintSettings::from_numbers(settings.numbers().map(Tangent::constant), contacts);
+            ConstraintSettings::from_numbers(settings.numbers().map(Tangent::constant), targets);
         let active: Vec<Tangent<S>> =
             self.active.iter().map(|&active| Tangent::constant(active)).collect();
         let mut jacobians = matrices(n);

@@ -93,7 +93,7 @@ impl<S: Scalar> Interpreter<S> {
     ) -> Result<(), ShapeError> {
         let contacts = self.model.contacts().len();
         check("active", active, contacts)?;
-        check("settings.contacts", settings.contacts.as_ref(), contacts)?;
+        check("settings.targets", settings.targets.as_ref(), contacts)?;
         for (number, &active) in self.active.iter_mut().zip(active) {
             *number = if active { S::one() } else { S::zero() };
         }
@@ -132,8 +132,8 @@ impl<S: Scalar> Interpreter<S> {
         self.check_state(state)?;
         check("displacements", displacements, self.model.constraints())?;
         check("velocities", velocities, self.model.constraints())?;
-        let targets = settings.contacts.as_ref();
-        check("settings.contacts", targets, self.model.contacts().len())?;
+        let targets = settings.targets.as_ref();
+        check("settings.targets", targets, self.model.contacts().len())?;
         let Constraints { mechanism, workspaces, .. } = self.constraints();
         constraints::constraint_residual(
             mechanism,

@@ -366,7 +366,7 @@ impl<S: Scalar> Interpreter<S> {
         let Self { model, soft, mechanism, elimination, workspace, .. } = self;
         let soft = soft.get_or_insert_with(|| SoftModel::of(model).map(S::from_f64));
         let points: usize = soft.contacts.iter().map(|contact| contact.shape.points()).sum();
-        check("step_settings.contacts", settings.contacts.as_ref(), soft.contacts.len())?;
+        check("step_settings.surfaces", settings.surfaces.as_ref(), soft.contacts.len())?;
         check("outputs.q", outputs.q, model.nq())?;
         check("outputs.qd", outputs.qd, model.nv())?;
         check("outputs.qdd", outputs.qdd, model.nv())?;
@@ -401,7 +401,7 @@ impl<S: Scalar> Interpreter<S> {
         let Self { model, soft, mechanism, workspace, .. } = self;
         let soft = soft.get_or_insert_with(|| SoftModel::of(model).map(S::from_f64));
         check("q", q, model.nq())?;
-        check("step_settings.contacts", settings.contacts.as_ref(), soft.contacts.len())?;
+        check("step_settings.surfaces", settings.surfaces.as_ref(), soft.contacts.len())?;
         Ok(touching_points(mechanism, soft, settings, q, workspace))
     }
 

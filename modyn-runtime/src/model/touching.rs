@@ -247,7 +247,7 @@ impl StepSettings<f64, Vec<ContactSurface<f64>>> {
     /// `step_settings` of functions of numbers.
     #[must_use]
     pub fn all_numbers(&self) -> Vec<f64> {
-        let surfaces = self.contacts.iter().flat_map(ContactSurface::numbers);
+        let surfaces = self.surfaces.iter().flat_map(ContactSurface::numbers);
         self.numbers().into_iter().chain(surfaces).collect()
     }
 }
@@ -275,7 +275,7 @@ impl Model {
             tolerance,
             impratio: self.soft_constraints.impratio.unwrap_or(impratio),
             coulomb,
-            contacts: shapes.map(|shape| shape.surface).collect(),
+            surfaces: shapes.map(|shape| shape.surface).collect(),
         }
     }
 

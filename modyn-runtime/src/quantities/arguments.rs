@@ -39,7 +39,7 @@ pub enum ArgumentKind {
     /// A vector for each contact.
     ContactVectors,
     /// The set of active contacts.
-    Contacts,
+    ActiveContacts,
     /// The settings of constraints.
     Settings,
     /// The settings of steps.
@@ -79,7 +79,7 @@ impl ArgumentKind {
             | Self::ContactVectors
             | Self::RandomNumbers
             | Self::Factors => BatchForm::Numbers,
-            Self::Contacts => BatchForm::Sets,
+            Self::ActiveContacts => BatchForm::Sets,
             Self::Settings | Self::StepSettings => BatchForm::Shared,
             Self::Wrenches | Self::ConstraintWrenches => BatchForm::None,
         }
@@ -101,7 +101,7 @@ impl Argument {
             ArgumentKind::Wrenches => shapes::wrenches(sizes),
             ArgumentKind::ConstraintWrenches => shapes::constraint_wrenches(sizes),
             ArgumentKind::ContactVectors => shapes::contact_vectors(sizes),
-            ArgumentKind::Contacts => shapes::contacts(sizes),
+            ArgumentKind::ActiveContacts => shapes::active_contacts(sizes),
             ArgumentKind::Settings => shapes::settings(sizes),
             ArgumentKind::StepSettings => shapes::step_settings(sizes),
             ArgumentKind::Factors => Shape::vector(sizes.factors),
@@ -142,7 +142,7 @@ pub(super) const TO: Argument = Argument { name: "to", kind: ArgumentKind::Coord
 pub(super) const FORCES: Argument = Argument { name: "forces", kind: ArgumentKind::Wrenches };
 pub(super) const IMPULSES: Argument =
     Argument { name: "impulses", kind: ArgumentKind::ContactVectors };
-pub(super) const CONTACTS: Argument = Argument { name: "contacts", kind: ArgumentKind::Contacts };
+pub(super) const ACTIVE: Argument = Argument { name: "active", kind: ArgumentKind::ActiveContacts };
 pub(super) const SETTINGS: Argument = Argument { name: "settings", kind: ArgumentKind::Settings };
 pub(super) const ACT: Argument = Argument { name: "act", kind: ArgumentKind::Activations };
 pub(super) const APPLIED: Argument = Argument { name: "applied", kind: ArgumentKind::Velocities };
@@ -174,7 +174,7 @@ pub const ARGUMENTS: &[Argument] = &[
     TO,
     FORCES,
     IMPULSES,
-    CONTACTS,
+    ACTIVE,
     SETTINGS,
     ACT,
     TANGENT_ACT,

@@ -246,7 +246,7 @@ mod tests {
     fn settings_have_the_order_of_the_runtime() {
         let sizes = Sizes { contacts: 2, touching_shapes: 2, ..Sizes::default() };
         let Shape::Record(_, mut settings) = shapes::settings(&sizes) else { panic!() };
-        let Some(("contacts", Shape::Array(target, 2, _))) = settings.pop() else { panic!() };
+        let Some(("targets", Shape::Array(target, 2, _))) = settings.pop() else { panic!() };
         let Shape::Record(_, target) = *target else { panic!() };
 
         let numbers = core::array::from_fn(|k| 2.0 + k as f64);

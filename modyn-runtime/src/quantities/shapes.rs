@@ -314,7 +314,7 @@ pub fn activations(s: &Sizes) -> Shape {
     Shape::vector(s.activations)
 }
 
-pub fn contacts(s: &Sizes) -> Shape {
+pub fn active_contacts(s: &Sizes) -> Shape {
     Shape::Record(Record::Contacts, vec![("", Shape::vector(s.contacts))])
 }
 
@@ -328,7 +328,7 @@ pub fn settings(s: &Sizes) -> Shape {
     ];
     let target = Shape::Record(Record::OfScalar("ContactTarget"), target_fields.concat());
     let mut fields = scalars(&["alpha", "beta", "tolerance", "rounding"]);
-    fields.push(("contacts", target.array(s.contacts)));
+    fields.push(("targets", target.array(s.contacts)));
     named_fields("ConstraintSettings", fields)
 }
 
@@ -348,7 +348,7 @@ pub fn step_settings(s: &Sizes) -> Shape {
         ("tolerance", Shape::Scalar),
         ("impratio", Shape::Scalar),
         ("coulomb", Shape::Scalar),
-        ("contacts", surface.array(s.touching_shapes)),
+        ("surfaces", surface.array(s.touching_shapes)),
     ];
     named_fields("StepSettings", fields)
 }

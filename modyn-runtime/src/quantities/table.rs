@@ -9,7 +9,7 @@
 //! methods of the Python package, and the list of functions for tests.
 
 use super::arguments::{
-    ACT, ACT_COTANGENT, APPLIED, CONTACTS, COTANGENT, CTRL, DT, FORCES, FROM, Q, QD, QDD, SETTINGS,
+    ACT, ACT_COTANGENT, ACTIVE, APPLIED, COTANGENT, CTRL, DT, FORCES, FROM, Q, QD, QDD, SETTINGS,
     STATE_COTANGENT, STEP_SETTINGS, TANGENT_ACT, TANGENT_CTRL, TANGENT_Q, TANGENT_QD, TANGENT_QDD,
     TANGENT_TAU, TAU, TO, UNIFORMS, V, WARM_START, WRENCH_COTANGENT,
 };
@@ -381,7 +381,7 @@ pub const ROWS: &[Row] = &[
         function: Function::ConstrainedForwardDynamics,
         name: "constrained_forward_dynamics",
         known_as: &["contact dynamics", "pin.constraintDynamics"],
-        arguments: &[Q, QD, TAU, CONTACTS, SETTINGS],
+        arguments: &[Q, QD, TAU, ACTIVE, SETTINGS],
         result: shapes::constrained,
         docs: "Returns the joint accelerations under the joint forces `tau` with the loops closed \
             and the active contacts held. Also returns the wrench on each constraint's link and \
@@ -411,7 +411,7 @@ pub const ROWS: &[Row] = &[
     Row {
         function: Function::ProjectConstraints,
         name: "project_constraints",
-        arguments: &[Q, QD, CONTACTS, SETTINGS],
+        arguments: &[Q, QD, ACTIVE, SETTINGS],
         result: shapes::constraint_projection,
         docs: "Returns the smallest step (in the metric of the mass matrix) that closes the loops \
             at `q` and moves the active contacts to their targets to first order, the smallest \
@@ -425,7 +425,7 @@ pub const ROWS: &[Row] = &[
         function: Function::ConstrainedForwardDynamicsDerivatives,
         name: "constrained_forward_dynamics_derivatives",
         known_as: &["pin.computeConstraintDynamicsDerivatives"],
-        arguments: &[Q, QD, TAU, CONTACTS, SETTINGS],
+        arguments: &[Q, QD, TAU, ACTIVE, SETTINGS],
         result: shapes::constrained_derivatives,
         docs: "Returns the accelerations and the wrenches of `constrained_forward_dynamics`, and \
             their derivatives with respect to `q` (in tangent space), `qd` and `tau`, each an \
@@ -438,7 +438,7 @@ pub const ROWS: &[Row] = &[
     Row {
         function: Function::ConstrainedForwardDynamicsHessian,
         name: "constrained_forward_dynamics_hessian",
-        arguments: &[Q, QD, TAU, COTANGENT, WRENCH_COTANGENT, CONTACTS, SETTINGS],
+        arguments: &[Q, QD, TAU, COTANGENT, WRENCH_COTANGENT, ACTIVE, SETTINGS],
         result: shapes::constrained_hessian,
         docs: "Returns the accelerations and the wrenches of `constrained_forward_dynamics`, and \
             the gradients and the Hessian of their sum with the weights `cotangent` and \
@@ -452,7 +452,7 @@ pub const ROWS: &[Row] = &[
         function: Function::ImpactDynamics,
         name: "impact_dynamics",
         known_as: &["impact dynamics", "pin.impulseDynamics"],
-        arguments: &[Q, QD, CONTACTS, SETTINGS],
+        arguments: &[Q, QD, ACTIVE, SETTINGS],
         result: shapes::impact_dynamics,
         docs: "Returns the velocities after an impact that closes the loops and stops the active \
             contacts relative to their targets at the same instant, the impulse of each \
@@ -623,7 +623,7 @@ pub const ROWS: &[Row] = &[
     Row {
         function: Function::ConstrainedInverseDynamics,
         name: "constrained_inverse_dynamics",
-        arguments: &[Q, QD, QDD, CONTACTS, SETTINGS],
+        arguments: &[Q, QD, QDD, ACTIVE, SETTINGS],
         result: shapes::constrained_torques,
         docs: "Returns the joint forces of the accelerations `qdd`, the wrenches of the active \
             contacts that carry the floating bases, and the rank of the contacts' columns of the \
@@ -661,7 +661,7 @@ pub const ROWS: &[Row] = &[
         function: Function::OperationalSpaceInertia,
         name: "operational_space_inertia",
         known_as: &["operational-space inertia", "Delassus matrix"],
-        arguments: &[Q, CONTACTS, SETTINGS],
+        arguments: &[Q, ACTIVE, SETTINGS],
         result: shapes::operational_space_inertia,
         docs: "Returns the Delassus matrix J M^-1 J^T of the constraints with the mass matrix M, \
             its pseudo-inverse, the operational-space inertia, and the number of independent \

@@ -1068,7 +1068,7 @@ pub trait Robot {
         q: &Self::Q<T>,
         qd: &Self::V<T>,
         tau: &Self::V<T>,
-        contacts: Self::Contacts,
+        active: Self::Contacts,
         settings: &Settings<Self, T>,
     ) -> ConstrainedForwardDynamics<
         Self::V<T>,
@@ -1090,7 +1090,7 @@ pub trait Robot {
         q: &Self::Q<T>,
         qd: &Self::V<T>,
         tau: &Self::V<T>,
-        contacts: Self::Contacts,
+        active: Self::Contacts,
         settings: &Settings<Self, T>,
     ) -> ConstrainedForwardDynamics<
         Self::V<T>,
@@ -1106,7 +1106,7 @@ pub trait Robot {
             q,
             qd,
             tau,
-            contacts,
+            active,
             settings,
         )
     }
@@ -1134,7 +1134,7 @@ pub trait Robot {
         params: &Self::Params<T>,
         q: &Self::Q<T>,
         qd: &Self::V<T>,
-        contacts: Self::Contacts,
+        active: Self::Contacts,
         settings: &Settings<Self, T>,
     ) -> ConstraintProjection<Self::V<T>, T>
     where
@@ -1148,13 +1148,13 @@ pub trait Robot {
     fn project_constraints<T: Scalar>(
         q: &Self::Q<T>,
         qd: &Self::V<T>,
-        contacts: Self::Contacts,
+        active: Self::Contacts,
         settings: &Settings<Self, T>,
     ) -> ConstraintProjection<Self::V<T>, T>
     where
         Self: functions::ProjectConstraints,
     {
-        Self::project_constraints_with(&Self::Params::<T>::default(), q, qd, contacts, settings)
+        Self::project_constraints_with(&Self::Params::<T>::default(), q, qd, active, settings)
     }
 
     /// Returns the accelerations and the wrenches of `constrained_forward_dynamics`, and their
@@ -1167,7 +1167,7 @@ pub trait Robot {
         q: &Self::Q<T>,
         qd: &Self::V<T>,
         tau: &Self::V<T>,
-        contacts: Self::Contacts,
+        active: Self::Contacts,
         settings: &Settings<Self, T>,
     ) -> ConstrainedForwardDynamicsDerivatives<
         Self::V<T>,
@@ -1190,7 +1190,7 @@ pub trait Robot {
         q: &Self::Q<T>,
         qd: &Self::V<T>,
         tau: &Self::V<T>,
-        contacts: Self::Contacts,
+        active: Self::Contacts,
         settings: &Settings<Self, T>,
     ) -> ConstrainedForwardDynamicsDerivatives<
         Self::V<T>,
@@ -1207,7 +1207,7 @@ pub trait Robot {
             q,
             qd,
             tau,
-            contacts,
+            active,
             settings,
         )
     }
@@ -1225,7 +1225,7 @@ pub trait Robot {
         tau: &Self::V<T>,
         cotangent: &Self::V<T>,
         wrench_cotangent: &Self::PerConstraint<Wrench<T>>,
-        contacts: Self::Contacts,
+        active: Self::Contacts,
         settings: &Settings<Self, T>,
     ) -> ConstrainedForwardDynamicsHessian<Self::V<T>, Self::PerConstraint<Wrench<T>>, Self::M<T>, T>
     where
@@ -1243,7 +1243,7 @@ pub trait Robot {
         tau: &Self::V<T>,
         cotangent: &Self::V<T>,
         wrench_cotangent: &Self::PerConstraint<Wrench<T>>,
-        contacts: Self::Contacts,
+        active: Self::Contacts,
         settings: &Settings<Self, T>,
     ) -> ConstrainedForwardDynamicsHessian<Self::V<T>, Self::PerConstraint<Wrench<T>>, Self::M<T>, T>
     where
@@ -1256,7 +1256,7 @@ pub trait Robot {
             tau,
             cotangent,
             wrench_cotangent,
-            contacts,
+            active,
             settings,
         )
     }
@@ -1271,7 +1271,7 @@ pub trait Robot {
         params: &Self::Params<T>,
         q: &Self::Q<T>,
         qd: &Self::V<T>,
-        contacts: Self::Contacts,
+        active: Self::Contacts,
         settings: &Settings<Self, T>,
     ) -> ImpactDynamics<Self::V<T>, Self::PerConstraint<Wrench<T>>, T>
     where
@@ -1286,13 +1286,13 @@ pub trait Robot {
     fn impact_dynamics<T: Scalar>(
         q: &Self::Q<T>,
         qd: &Self::V<T>,
-        contacts: Self::Contacts,
+        active: Self::Contacts,
         settings: &Settings<Self, T>,
     ) -> ImpactDynamics<Self::V<T>, Self::PerConstraint<Wrench<T>>, T>
     where
         Self: functions::ImpactDynamics,
     {
-        Self::impact_dynamics_with(&Self::Params::<T>::default(), q, qd, contacts, settings)
+        Self::impact_dynamics_with(&Self::Params::<T>::default(), q, qd, active, settings)
     }
 
     /// Returns the state after a step of the time `dt` (s) under the joint forces `tau`, with
@@ -1859,7 +1859,7 @@ pub trait Robot {
         q: &Self::Q<T>,
         qd: &Self::V<T>,
         qdd: &Self::V<T>,
-        contacts: Self::Contacts,
+        active: Self::Contacts,
         settings: &Settings<Self, T>,
     ) -> ConstrainedInverseDynamics<Self::V<T>, Self::PerConstraint<Wrench<T>>, T>
     where
@@ -1874,7 +1874,7 @@ pub trait Robot {
         q: &Self::Q<T>,
         qd: &Self::V<T>,
         qdd: &Self::V<T>,
-        contacts: Self::Contacts,
+        active: Self::Contacts,
         settings: &Settings<Self, T>,
     ) -> ConstrainedInverseDynamics<Self::V<T>, Self::PerConstraint<Wrench<T>>, T>
     where
@@ -1885,7 +1885,7 @@ pub trait Robot {
             q,
             qd,
             qdd,
-            contacts,
+            active,
             settings,
         )
     }
@@ -1925,7 +1925,7 @@ pub trait Robot {
     fn operational_space_inertia_with<T: Scalar>(
         params: &Self::Params<T>,
         q: &Self::Q<T>,
-        contacts: Self::Contacts,
+        active: Self::Contacts,
         settings: &Settings<Self, T>,
     ) -> OperationalSpaceInertia<Self::PerConstraintRow<Self::PerConstraintRow<T>>, T>
     where
@@ -1940,13 +1940,13 @@ pub trait Robot {
     #[doc(alias = "Delassus matrix")]
     fn operational_space_inertia<T: Scalar>(
         q: &Self::Q<T>,
-        contacts: Self::Contacts,
+        active: Self::Contacts,
         settings: &Settings<Self, T>,
     ) -> OperationalSpaceInertia<Self::PerConstraintRow<Self::PerConstraintRow<T>>, T>
     where
         Self: functions::OperationalSpaceInertia,
     {
-        Self::operational_space_inertia_with(&Self::Params::<T>::default(), q, contacts, settings)
+        Self::operational_space_inertia_with(&Self::Params::<T>::default(), q, active, settings)
     }
 
     /// Returns the regressor Y of inverse dynamics, an array of columns: tau = Y pi, without

@@ -134,7 +134,7 @@ impl<'a, T: Scalar + Into<f64>> HeightField<'a, T> {
         let mut settings = *settings;
         let centers = R::TOUCHING_SHAPE_CENTERS;
         for (surface, ShapeCenter { link, place }) in
-            settings.contacts.as_mut().iter_mut().zip(centers)
+            settings.surfaces.as_mut().iter_mut().zip(centers)
         {
             surface.plane = self.plane_below(poses.as_ref()[*link], place.map(T::from_f64));
         }

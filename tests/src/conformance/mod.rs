@@ -564,11 +564,11 @@ fn calls_of<B: BackEnd>(
                 // A special flag of a contact is no boolean. Special settings, times and random
                 // numbers are errors in Python.
                 let mut given = planned.arguments.iter().filter(|(_, shape)| !shape.is_empty());
-                let has_flags = given.any(|(argument, _)| argument.name == "contacts");
+                let has_flags = given.any(|(argument, _)| argument.name == "active");
                 let of_numbers = back_end.has_numbers_of_contacts();
                 let can_be_special = |name: &str| match name {
-                    "contacts" if !of_numbers => false,
-                    _ if has_flags && of_numbers && state == STATES - 1 => name == "contacts",
+                    "active" if !of_numbers => false,
+                    _ if has_flags && of_numbers && state == STATES - 1 => name == "active",
                     _ => !["settings", "step_settings", "dt", "uniforms"].contains(&name),
                 };
                 let mut ordinary: Vec<&mut f64> = (planned.arguments.iter())
@@ -670,7 +670,7 @@ fn arguments(
                 normalize_configuration(model, &mut numbers)
             }
             // A contact is active or not.
-            "contacts" => {
+            "active" => {
                 numbers.iter_mut().for_each(|x| *x = if *x > 0.0 { 1.0 } else { 0.0 });
             }
             "settings" => set_settings(random, &mut numbers),

@@ -175,8 +175,8 @@ fn settings<const N: usize>() -> ConstraintSettings<f64, [ContactTarget<f64>; N]
         restitution: 0.3,
         weight: 1.0 + 0.5 * k as f64,
     };
-    let contacts = std::array::from_fn(target);
-    ConstraintSettings { alpha: 3.0, beta: 4.0, tolerance: 1e-7, rounding: 1e-7, contacts }
+    let targets = std::array::from_fn(target);
+    ConstraintSettings { alpha: 3.0, beta: 4.0, tolerance: 1e-7, rounding: 1e-7, targets }
 }
 
 /// Returns settings in another scalar.
@@ -184,8 +184,8 @@ fn settings_in<T: Copy, const N: usize>(
     settings: &ConstraintSettings<f64, [ContactTarget<f64>; N]>,
     of: impl Fn(f64) -> T,
 ) -> ConstraintSettings<T, [ContactTarget<T>; N]> {
-    let contacts = settings.contacts.map(|t| ContactTarget::from_numbers(t.numbers().map(&of)));
-    ConstraintSettings::from_numbers(settings.numbers().map(&of), contacts)
+    let targets = settings.targets.map(|t| ContactTarget::from_numbers(t.numbers().map(&of)));
+    ConstraintSettings::from_numbers(settings.numbers().map(&of), targets)
 }
 
 #[track_caller]
@@ -451,15 +451,15 @@ fn on_all_cores() {
     });
 }
 
-/// A set of contacts is missing: the error names the contact, and nothing is written.
+/// A set of contacts is missing: the error names the argument, and nothing is written.
 #[test]
-fn errors_name_the_contact() {
+fn errors_name_the_argument() {
     let States { q, qd, tau, sets, settings } = &States::new(9);
     let mut found = vec![Machine::held(&q[0], &qd[0], &tau[0], sets[0], settings); 9];
     let before = found.clone();
     let called = Machine::held_each(q, qd, tau, &sets[..8], settings, &mut found);
     let said = called.expect_err("a set is missing").to_string();
-    assert_eq!(said, "`contacts` holds 8 states, `q` holds 9");
+    assert_eq!(said, "`active` holds 8 states, `q` holds 9");
     assert_eq!(found, before);
     let masks: Vec<[bool; 2]> = sets.iter().map(|set| set.to_array()).collect();
     let (qs, qds, taus, flags) = (columns(q), columns(qd), columns(tau), columns(&masks));
@@ -475,5 +475,5 @@ fn errors_name_the_contact() {
         take(to),
     );
     let said = called.expect_err("two flags are missing").to_string();
-    assert_eq!(said, "`contacts[1]` (elbow) holds 7 states, `q[0]` holds 9");
+    assert_eq!(said, "`active[1]` (elbow) holds 7 states, `q[0]` holds 9");
 }

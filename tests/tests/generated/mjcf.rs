@@ -31,15 +31,15 @@ fn steps_on_a_ramp_are_steps_on_its_plane() {
     let heights = [[-0.7_f64, 0.1], [-0.5, 0.3], [-0.3, 0.5]].as_flattened();
     let field = HeightField::new([-4.0, -2.0], [8.0, 2.0], 2, heights).expect("a grid");
     let settings = Standing::model().step_settings();
-    let contacts: [ContactSurface<f64>; 3] = settings.contacts.try_into().expect("three");
+    let surfaces: [ContactSurface<f64>; 3] = settings.surfaces.try_into().expect("three");
     let StepSettings { impratio, coulomb, .. } = settings;
-    let settings = StepSettings { tolerance: 1e-12, impratio, coulomb, contacts };
+    let settings = StepSettings { tolerance: 1e-12, impratio, coulomb, surfaces };
     let mut q = Standing::NEUTRAL;
     (q[0], q[1], q[2]) = (0.3, -0.4, 0.6);
     let start = State::<Standing>::at_rest(q);
     let below = field.plane([q[0], q[1]]);
     let mut on_plane = settings;
-    for surface in &mut on_plane.contacts {
+    for surface in &mut on_plane.surfaces {
         surface.plane = below;
     }
     let tau = [0.0; Standing::NV];
@@ -74,9 +74,9 @@ fn shapes_on_a_floor_are_generated() {
     assert_eq!(Standing::model(), model);
     assert_eq!(Standing::TOUCHING_SHAPE_NAMES, ["belly", "shank", "heel"]);
     let settings = model.step_settings();
-    let contacts: [ContactSurface<f64>; 3] = settings.contacts.try_into().expect("three");
+    let surfaces: [ContactSurface<f64>; 3] = settings.surfaces.try_into().expect("three");
     let StepSettings { impratio, coulomb, .. } = settings;
-    let settings = StepSettings { tolerance: 1e-12, impratio, coulomb, contacts };
+    let settings = StepSettings { tolerance: 1e-12, impratio, coulomb, surfaces };
     let mut interpreter = Interpreter::<f64>::new(model);
     let mut q = [0.1, 0.2, -0.35, 0.1, 0.2, 0.3, 0.9, 1.2];
     interpreter.normalize_configuration(&mut q).expect("lengths");
@@ -86,7 +86,7 @@ fn shapes_on_a_floor_are_generated() {
     let step = Standing::step(&q, &qd, &tau, 0.002, &zeros, &settings);
     let forces: Vec<f64> = step.forces.iter().flat_map(|force| force.0).collect();
     assert!(step.forces.len() == 10 && forces.iter().filter(|force| **force != 0.0).count() > 2);
-    let surfaces = settings.contacts.iter().flat_map(ContactSurface::numbers);
+    let surfaces = settings.surfaces.iter().flat_map(ContactSurface::numbers);
     let settings = settings.numbers().into_iter().chain(surfaces).collect();
     let given = [q.to_vec(), qd.to_vec(), tau.to_vec(), vec![0.002], zeros.to_vec(), settings];
     let expected = interpreted(&mut interpreter, Function::Step, &given);

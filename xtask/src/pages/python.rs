@@ -70,7 +70,7 @@ fn argument(name: &str, shape: &Shape) -> String {
         ("warm_start" | "applied", _) => "(nv,), by default zeros".into(),
         ("act_cotangent" | "tangent_act", _) => "(activations,), by default zeros".into(),
         ("act", _) => "(activations,), which a robot without activations leaves out".into(),
-        ("contacts", _) => {
+        ("active", _) => {
             "the names of the active contacts, or (contacts,), 1 for each active one, else 0; by default all are".into()
         }
         (_, Shape::Scalar) => "a number".into(),
@@ -223,7 +223,7 @@ fn python(name: &str) -> &str {
 /// Returns whether an argument has a default.
 fn is_optional(name: &str) -> bool {
     let optional =
-        ["contacts", "settings", "warm_start", "act", "act_cotangent", "tangent_act", "applied"];
+        ["active", "settings", "warm_start", "act", "act_cotangent", "tangent_act", "applied"];
     optional.contains(&name)
 }
 

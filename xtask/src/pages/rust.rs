@@ -161,7 +161,7 @@ fn array_type(element: &str, n: usize) -> String {
 fn typed(argument: &Argument) -> String {
     let kind = match argument.kind {
         ArgumentKind::Time => "T".into(),
-        ArgumentKind::Contacts => "Self::Contacts".into(),
+        ArgumentKind::ActiveContacts => "Self::Contacts".into(),
         ArgumentKind::Settings => "&Settings<Self, T>".into(),
         ArgumentKind::StepSettings => {
             "&StepSettings<T, Self::PerTouchingShape<ContactSurface<T>>>".into()

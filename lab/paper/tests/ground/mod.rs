@@ -41,7 +41,7 @@ fn rotation(axis: [f64; 3], angle: f64) -> ([[f64; 3]; 3], [f64; 4]) {
 
 /// Returns settings of steps with the ground under all contacts.
 fn on_ground<const CONTACTS: usize>() -> StepSettings<f64, [ContactSurface<f64>; CONTACTS]> {
-    StepSettings { contacts: [GROUND; CONTACTS], ..StepSettings::<f64, _>::DEFAULT }
+    StepSettings { surfaces: [GROUND; CONTACTS], ..StepSettings::<f64, _>::DEFAULT }
 }
 
 /// Returns the heights of the contacts above the plane z = 0, m.

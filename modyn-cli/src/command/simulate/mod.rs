@@ -264,7 +264,7 @@ fn ground_height(model: &Model, ground: Ground) -> Option<f64> {
         Ground::None => None,
         Ground::Plane(_) => Some(0.0),
         Ground::Described => {
-            let plane = model.step_settings().contacts.first()?.plane;
+            let plane = model.step_settings().surfaces.first()?.plane;
             let is_level = plane.rotation[2][2] > 1.0 - 1e-9;
             Some(plane.translation[2]).filter(|height| is_level && height.is_finite())
         }

@@ -239,7 +239,7 @@ impl Class {
         let name = &array.name;
         let class_type = self.type_of(shape);
         match (CType::new(shape), shape) {
-            _ if *kind == Some(ArgumentKind::Contacts) => Passed {
+            _ if *kind == Some(ArgumentKind::ActiveContacts) => Passed {
                 declared: format!("const std::array<bool, {}> &{name}", shape.len()),
                 passed: format!("numbers({name}).data()"),
             },

@@ -1,7 +1,7 @@
 //! A time step with closed loops and contacts: constrained accelerations, then a semi-implicit
 //! Euler step.
 //!
-//! The user's function `contacts` proposes the active contacts. A contact that would pull is
+//! The user's function `active_contacts` proposes the active contacts. A contact that would pull is
 //! released, and the accelerations are computed again.
 
 use modyn_runtime::{ConstraintSettings, ContactTarget};
@@ -12,7 +12,7 @@ use super::{Dialect, GpuKernel};
 pub(super) struct StepArguments<'a> {
     /// The name of the joint forces.
     pub forces: &'a str,
-    /// The arguments of the user's function `contacts`.
+    /// The arguments of the user's function `active_contacts`.
     pub user: &'a [String],
     /// The further arguments of constrained forward dynamics.
     pub parameters: &'a [String],
@@ -54,7 +54,7 @@ impl ConstrainedStep<'_> {
         let mut arguments: Vec<String> = ["q", "qd", forces].map(String::from).into();
         let has_contacts = self.contacts > 0;
         if has_contacts {
-            lines.push(dialect.call_into("proposed", self.contacts, "contacts", user));
+            lines.push(dialect.call_into("proposed", self.contacts, "active_contacts", user));
             let proposed = (0..self.contacts).map(|c| format!("proposed[{c}]"));
             lines.push(dialect.array("held", &proposed.collect::<Vec<_>>()));
             lines.push(dialect.counting("sweep", "2u"));

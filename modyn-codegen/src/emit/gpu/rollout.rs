@@ -26,10 +26,10 @@ pub struct RolloutOptions {
     /// The joint forces as a function of the state and of controls; without it the controls are the
     /// joint forces.
     pub forces: Option<RolloutForces>,
-    /// The text of the function `contacts`: the contacts that may be active in a step. With it, and
+    /// The text of the function `active_contacts`: the contacts that may be active in a step. With it, and
     /// with `constrained_forward_dynamics` and `integrate` among the robot's functions, there is a
     /// kernel of steps that hold these contacts.
-    pub contacts: Option<String>,
+    pub active_contacts: Option<String>,
 }
 
 /// The user's function `forces` in rollouts.
@@ -172,7 +172,7 @@ pub(in crate::emit) fn print(
     let sizes = &plan.sizes;
     let parameters = plan.functions.iter().map(|planned| planned.parameters).max().unwrap_or(0);
     let has_functions =
-        options.cost.is_some() || options.forces.is_some() || options.contacts.is_some();
+        options.cost.is_some() || options.forces.is_some() || options.active_contacts.is_some();
     let constrained = constrained_step(&kernels, plan, options);
     let of_table = plan.functions.iter().filter_map(|planned| {
         let kernel = kernels.iter().find(|kernel| kernel.description.function == planned.name)?;
@@ -218,7 +218,7 @@ pub(in crate::emit) fn print(
     let mut text = head + &dialect.preamble(&used) + &dialect.rollout_head(&shared_text);
     text += &functions;
     let texts = options.forces.iter().map(|forces| &forces.text);
-    for user in texts.chain(&options.contacts).chain(&options.cost) {
+    for user in texts.chain(&options.active_contacts).chain(&options.cost) {
         let _ = write!(text, "{}\n\n", user.trim_end());
     }
     text += &loops;
@@ -307,7 +307,7 @@ fn constrained_step<'a>(
     let loops = plan.sizes.constraints - contacts;
     let Sizes { nq, nv, .. } = plan.sizes;
     let step = ConstrainedStep { nq, nv, dynamics, integrate, loops, contacts };
-    (options.contacts.is_some() == (contacts > 0)).then_some(step)
+    (options.active_contacts.is_some() == (contacts > 0)).then_some(step)
 }
 
 /// Returns the documentation of a kernel.

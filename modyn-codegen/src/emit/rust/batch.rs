@@ -235,7 +235,9 @@ impl Robot<'_> {
             (Some(ArgumentKind::Numbers(_)), _) => "&[]".into(),
             // They belong to pivot blocks and couplings, which have no names.
             (Some(ArgumentKind::Factors), _) => format!("&[\"\"; {}]", shape.len()),
-            (Some(ArgumentKind::Contacts), _) if !shape.is_empty() => "&Self::CONTACT_NAMES".into(),
+            (Some(ArgumentKind::ActiveContacts), _) if !shape.is_empty() => {
+                "&Self::CONTACT_NAMES".into()
+            }
             (Some(ArgumentKind::Controls), _) => "&Self::CONTROL_NAMES".into(),
             (Some(ArgumentKind::Activations), _) if !shape.is_empty() => {
                 "&Self::ACTIVATION_NAMES".into()

@@ -19,7 +19,7 @@ impl Robot<'_> {
         }
         let argument = |parameter: &Parameter| match &parameter.shape {
             shape if parameter.is_contacts() && shape.is_empty() => "&[]".into(),
-            _ if parameter.is_contacts() => "&contacts.numbers()".into(),
+            _ if parameter.is_contacts() => format!("&{}.numbers()", parameter.name),
             Shape::Scalar => format!("&{}", parameter.name),
             _ => parameter.name.into(),
         };

@@ -32,7 +32,7 @@ impl Parameter {
     /// Returns whether the parameter is the set of active contacts, for which public functions have
     /// a type.
     pub(super) fn is_contacts(&self) -> bool {
-        self.kind == Some(ArgumentKind::Contacts)
+        self.kind == Some(ArgumentKind::ActiveContacts)
     }
 
     /// Returns a parameter of constants, in the type's own scalar.

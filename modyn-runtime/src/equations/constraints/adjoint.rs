@@ -51,9 +51,9 @@ pub fn constraint_adjoint<S: Scalar, C: AsRef<[ContactTarget<S>]>>(
     memory.set_force(layout, weights.qdd);
     memory.fall.fill(S::zero());
     let rest = core::mem::take(&mut memory.rest);
-    let contacts = settings.contacts.as_ref();
+    let targets = settings.targets.as_ref();
     let zeros = |_, _: &dyn Fn(Twist<S>) -> S, _: &_| [S::zero(), S::zero()];
-    constraint_rows(model, State { q, qd: &rest }, contacts, workspace, memory, zeros);
+    constraint_rows(model, State { q, qd: &rest }, targets, workspace, memory, zeros);
     memory.rest = rest;
     memory.factorize(model, layout, ConstraintInput { active, settings }, |memory| {
         let mut sides = memory.right_hand_sides[0].iter_mut();

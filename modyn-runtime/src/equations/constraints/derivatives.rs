@@ -180,7 +180,7 @@ impl<S: Scalar> ColumnEquations<S> {
         inverse_dynamics_derivatives(tree, motion, workspace, dq, dqd);
         let settings = constraints.settings;
         let mut row = 0;
-        let mut targets = settings.contacts.as_ref().iter();
+        let mut targets = settings.targets.as_ref().iter();
         for constraint in &model.constraints {
             let placed = PlacedConstraint { constraint, row };
             match constraint.contact.then(|| targets.next()).flatten() {

@@ -39,12 +39,12 @@ pub fn constrained_forward_dynamics<S: Scalar, T: Factorizable<S>, C: AsRef<[Con
     brge::factorize(tree, layout.layout(), q, workspace, &mut memory.factors);
     memory.set_force(layout, qdd);
     memory.set_fall(model, qd, workspace);
-    let contacts = settings.contacts.as_ref();
-    let loops = model.constraints.len() - contacts.len();
-    constraint_rows(model, State { q, qd }, contacts, workspace, memory, |c, component, motion| {
+    let targets = settings.targets.as_ref();
+    let loops = model.constraints.len() - targets.len();
+    constraint_rows(model, State { q, qd }, targets, workspace, memory, |c, component, motion| {
         let (alpha, beta) = match c.checked_sub(loops) {
             None => (settings.alpha, settings.beta),
-            Some(contact) => (contacts[contact].alpha, contacts[contact].beta),
+            Some(contact) => (targets[contact].alpha, targets[contact].beta),
         };
         let damping = (alpha + alpha) * component(motion.velocity);
         let stiffness = beta * beta * component(motion.displacement);

@@ -31,12 +31,12 @@ pub fn impact_dynamics<S: Scalar, T: Factorizable<S>, C: AsRef<[ContactTarget<S>
 ) -> S {
     let model = tree.mechanism();
     brge::factorize(tree, layout.layout(), q, workspace, &mut memory.factors);
-    let contacts = settings.contacts.as_ref();
-    constraint_rows(model, State { q, qd }, contacts, workspace, memory, |_, component, motion| {
+    let targets = settings.targets.as_ref();
+    constraint_rows(model, State { q, qd }, targets, workspace, memory, |_, component, motion| {
         [-component(motion.velocity), S::zero()]
     });
     let mut row = 0;
-    let mut touching = memory.frames.iter().zip(contacts);
+    let mut touching = memory.frames.iter().zip(targets);
     for constraint in &model.constraints {
         let rows = row..row + constraint.rows.len();
         row = rows.end;

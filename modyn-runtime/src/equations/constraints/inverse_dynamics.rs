@@ -45,21 +45,21 @@ pub fn constrained_inverse_dynamics<S: Scalar, C: AsRef<[ContactTarget<S>]>>(
     ConstrainedInverseOutputs { tau, wrenches }: ConstrainedInverseOutputs<'_, S>,
 ) -> S {
     inverse_dynamics(model, State { q, qd }, Some(qdd), None, workspace, tau);
-    let contacts = settings.contacts.as_ref();
-    constraint_rows(model, State { q, qd }, contacts, workspace, memory, |_, _, _| [S::zero(); 2]);
+    let targets = settings.targets.as_ref();
+    constraint_rows(model, State { q, qd }, targets, workspace, memory, |_, _, _| [S::zero(); 2]);
     let n = model.nv.max(1);
-    let loops = model.constraints.len() - contacts.len();
+    let loops = model.constraints.len() - targets.len();
     let ConstraintWorkspace { jacobian, owner, carried, right_hand_sides, residuals, .. } = memory;
     let Carried { entries, factorization, forces, missed, weights } = carried;
     for (weight, &constraint) in weights.iter_mut().zip(&*owner) {
         *weight = constraint
             .checked_sub(loops)
-            .map_or(S::zero(), |contact| active[contact] * contacts[contact].weight);
+            .map_or(S::zero(), |contact| active[contact] * targets[contact].weight);
     }
     // Moments are divided by the mean characteristic length of the contacts, so all rows are
     // forces.
     let lengths = model.constraints[loops..].iter().map(|contact| contact.length);
-    let count = S::from_f64(contacts.len() as f64);
+    let count = S::from_f64(targets.len() as f64);
     let length =
         lengths.reduce(|sum, length| sum + length).map_or(S::one(), |sum| sum * count.recip());
     let scale = |v: usize| if is_rotation(model, v) { length.recip() } else { S::one() };

@@ -248,7 +248,7 @@ impl<S: Scalar> ConstraintWorkspace<S> {
         limbs: &T::Layout,
         ConstraintInput { active, settings }: ConstraintInput<'_, S, C>,
     ) {
-        rows::mobilities(tree, limbs, active, settings.contacts.as_ref(), self);
+        rows::mobilities(tree, limbs, active, settings.targets.as_ref(), self);
     }
 
     fn factorize_filled<T: Factorizable<S>, C>(

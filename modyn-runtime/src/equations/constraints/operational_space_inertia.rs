@@ -28,9 +28,9 @@ pub fn operational_space_inertia<S: Scalar, T: Factorizable<S>, C: AsRef<[Contac
 ) -> S {
     let model = tree.mechanism();
     brge::factorize(tree, layout.layout(), q, workspace, &mut memory.factors);
-    let contacts = settings.contacts.as_ref();
+    let targets = settings.targets.as_ref();
     let rest = core::mem::take(&mut memory.rest);
-    constraint_rows(model, State { q, qd: &rest }, contacts, workspace, memory, |_, _, _| {
+    constraint_rows(model, State { q, qd: &rest }, targets, workspace, memory, |_, _, _| {
         [S::zero(); 2]
     });
     memory.rest = rest;

@@ -26,8 +26,8 @@ pub fn project_constraints<S: Scalar, T: Factorizable<S>, C: AsRef<[ContactTarge
 ) -> S {
     let model = tree.mechanism();
     brge::factorize(tree, layout.layout(), q, workspace, &mut memory.factors);
-    let contacts = settings.contacts.as_ref();
-    constraint_rows(model, State { q, qd }, contacts, workspace, memory, |_, component, motion| {
+    let targets = settings.targets.as_ref();
+    constraint_rows(model, State { q, qd }, targets, workspace, memory, |_, component, motion| {
         [-component(motion.displacement), -component(motion.velocity)]
     });
     memory.factorize(tree, layout, ConstraintInput { active, settings }, |_| {});

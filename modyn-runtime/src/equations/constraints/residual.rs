@@ -18,7 +18,7 @@ use crate::mechanism::Mechanism;
 pub fn constraint_residual<S: Scalar>(
     model: &Mechanism<S>,
     State { q, qd }: State<'_, S>,
-    contacts: &[ContactTarget<S>],
+    targets: &[ContactTarget<S>],
     ConstraintWorkspaces { workspace, memory }: ConstraintWorkspaces<'_, S>,
     ResidualOutputs { displacements, velocities }: ResidualOutputs<'_, S>,
 ) {
@@ -31,7 +31,7 @@ pub fn constraint_residual<S: Scalar>(
         if constraint.contact {
             let frame = ContactFrame::new(model, constraint.ends[1], q, workspace, columns);
             let surface = constraint.holds_rotation();
-            let target = &contacts[c - loops];
+            let target = &targets[c - loops];
             *displacement = frame.displacement(target, surface);
             let motion = frame.motion(model, target, surface, columns, qd, workspace);
             *velocity = frame.twist_to_world(constraint.constrained_part(motion.velocity));

@@ -67,7 +67,7 @@ impl<S: Scalar> ConstrainedFrames<S> {
 pub(super) fn constraint_rows<S: Scalar>(
     model: &Mechanism<S>,
     State { q, qd }: State<'_, S>,
-    contacts: &[ContactTarget<S>],
+    targets: &[ContactTarget<S>],
     workspace: &mut Workspace<S>,
     memory: &mut ConstraintWorkspace<S>,
     target: impl Fn(usize, &dyn Fn(Twist<S>) -> S, &RelativeMotion<S>) -> [S; 2],
@@ -83,7 +83,7 @@ pub(super) fn constraint_rows<S: Scalar>(
             let first = &mut memory.columns[0];
             let frame = ContactFrame::new(model, constraint.ends[1], q, workspace, first);
             let surface = constraint.holds_rotation();
-            let target = &contacts[c - loops];
+            let target = &targets[c - loops];
             let motion = frame.motion(model, target, surface, &*first, qd, workspace);
             memory.frames.push(frame);
             motion
@@ -124,7 +124,7 @@ pub(super) fn mobilities<S: Scalar, T: Factorizable<S>>(
     tree: &T,
     limbs: &T::Layout,
     active: &[S],
-    contacts: &[ContactTarget<S>],
+    targets: &[ContactTarget<S>],
     memory: &mut ConstraintWorkspace<S>,
 ) {
     let model = tree.mechanism();
@@ -155,7 +155,7 @@ pub(super) fn mobilities<S: Scalar, T: Factorizable<S>>(
             [None, None] => sum,
             [Some(a), None] | [None, Some(a)] => sum * active[a],
             [Some(a), Some(b)] if a == b => {
-                let compliant = if i == j { sum + contacts[a].compliance } else { sum };
+                let compliant = if i == j { sum + targets[a].compliance } else { sum };
                 compliant * active[a]
             }
             [Some(a), Some(b)] => sum * (active[a] * active[b]),

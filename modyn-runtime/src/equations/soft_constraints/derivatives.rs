@@ -189,7 +189,7 @@ pub fn state_derivatives_by_newton<S: Scalar>(
     let surface = |surface: &ContactSurface<S>| {
         ContactSurface::from_numbers(surface.numbers().map(Tangent::constant))
     };
-    let surfaces: Vec<_> = settings.contacts.as_ref().iter().map(surface).collect();
+    let surfaces: Vec<_> = settings.surfaces.as_ref().iter().map(surface).collect();
     let settings = &StepSettings::from_numbers(settings.numbers().map(Tangent::constant), surfaces);
     let soft = &soft.map(Tangent::constant);
     let warm_start = &constants(input.warm_start);
@@ -389,7 +389,7 @@ struct GroundWrench<S> {
     by_pose: Vec<PoseChange<S>>,
     /// Minus the change with the acceleration.
     stiffness: ArticulatedInertia<S>,
-    /// Minus the change with the velocity, without that of `slips`.
+    /// Minus the change with the velocity, without the change by `slips`.
     damping: ArticulatedInertia<S>,
     /// [`ContactRows::change_by_slip`] of each contact.
     slips: Vec<[Wrench<S>; 2]>,
@@ -398,9 +398,9 @@ struct GroundWrench<S> {
 impl<S: Scalar> GroundWrench<S> {
     /// Returns minus the change with a velocity by the slip of the contacts.
     fn by_slip(&self, twist: Twist<S>) -> Wrench<S> {
-        let changes = self.slips.iter();
-        let changes = changes.map(|&[change, closing]| change.scale(power(twist, closing)));
-        changes.fold(Wrench::zero(), |sum, change| sum + change)
+        self.slips.iter().fold(Wrench::zero(), |sum, &[change, closing]| {
+            sum + change.scale(power(twist, closing))
+        })
     }
 }
 
@@ -484,7 +484,7 @@ impl<S: Scalar> TouchingMotion<S> {
             coulomb: constant(settings.coulomb),
             dt: constant(problem.input.step.dt),
         };
-        let contacts = (soft.contacts.iter().zip(settings.contacts.as_ref()))
+        let contacts = (soft.contacts.iter().zip(settings.surfaces.as_ref()))
             .filter(|(contact, _)| contact.body == self.body);
         let shapes: Vec<_> = contacts
             .map(|(parameters, surface)| {

@@ -116,7 +116,7 @@ impl<'a, S: Scalar, T: BodyTree<S>> StepProblem<'a, S, T> {
     ) -> Self {
         let StepConstraints { soft, settings } = constraints;
         let model = tree.mechanism();
-        let surfaces = settings.contacts.as_ref();
+        let surfaces = settings.surfaces.as_ref();
         let step = input.step;
         let TimeStepInput { q, qd, dt, .. } = step;
         let mut tau = step.tau.to_vec();

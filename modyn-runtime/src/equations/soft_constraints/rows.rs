@@ -211,19 +211,18 @@ impl<S: Scalar> ContactRows<S> {
             [surface.friction, surface.torsional_friction, surface.rolling_friction]
                 .map(law::friction);
         let count = parameters.components.count();
-        let friction = [sliding, sliding, torsional, rolling, rolling];
-        let friction = friction[..count - 1].to_vec();
+        let friction = [sliding, sliding, torsional, rolling, rolling][..count - 1].to_vec();
         let damping = -softness.damped(S::one(), options.dt);
         let Separation { speed, by_rate } = law::separation(options.cone, &friction, &rates[1..]);
         let closing = options.coulomb * damping;
-        let reference = row.reference - closing * speed;
-        let reference = [reference].into_iter().chain(damped).zip(falling);
+        let normal = row.reference - closing * speed;
+        let references = [normal].into_iter().chain(damped).zip(falling);
         let law = ContactLaw {
             cone: options.cone,
             friction,
             ratio: options.ratio,
             weight: violation.select_nonnegative(S::zero(), row.weight),
-            reference: reference.map(|(reference, fall)| reference - fall).take(count).collect(),
+            reference: references.map(|(reference, fall)| reference - fall).take(count).collect(),
         };
         let closing = by_rate.into_iter().map(|by_rate| closing * by_rate).collect();
         Self { body: parameters.body, place, gap, axes, along_tangent, law, damping, closing }

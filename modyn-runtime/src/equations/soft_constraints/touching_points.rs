@@ -34,7 +34,7 @@ pub fn touching_points<S: Scalar>(
     // The laws of the rows, which depend on the time, are not used.
     let one = S::one();
     let options = ContactOptions { cone: soft.cone, ratio: one, coulomb: one, dt: one };
-    let shapes = soft.contacts.iter().zip(settings.contacts.as_ref());
+    let shapes = soft.contacts.iter().zip(settings.surfaces.as_ref());
     let points = shapes.enumerate().flat_map(|(shape, (parameters, surface))| {
         let pose = poses[parameters.body];
         let state = BodyState { pose, velocity: Twist::zero(), fall: Vector3::zero() };

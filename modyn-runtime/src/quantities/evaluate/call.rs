@@ -78,17 +78,17 @@ impl<S: Scalar> Given<'_, S> {
     pub fn settings(&self) -> ConstraintSettings<S, Vec<ContactTarget<S>>> {
         let (settings, targets) = self[SETTINGS].split_at(ConstraintSettings::<S>::COUNT);
         let (targets, _) = targets.as_chunks();
-        let contacts = targets.iter().map(|target| ContactTarget::from_numbers(*target)).collect();
-        ConstraintSettings::from_numbers(core::array::from_fn(|i| settings[i]), contacts)
+        let targets = targets.iter().map(|target| ContactTarget::from_numbers(*target)).collect();
+        ConstraintSettings::from_numbers(core::array::from_fn(|i| settings[i]), targets)
     }
 
     /// Returns the settings of steps, and the surfaces of contacts.
     pub fn step_settings(&self) -> StepSettings<S, Vec<ContactSurface<S>>> {
         let (settings, surfaces) = self[STEP_SETTINGS].split_at(StepSettings::<S>::COUNT);
         let (surfaces, _) = surfaces.as_chunks();
-        let contacts =
+        let surfaces =
             surfaces.iter().map(|surface| ContactSurface::from_numbers(*surface)).collect();
-        StepSettings::from_numbers([settings[0], settings[1], settings[2]], contacts)
+        StepSettings::from_numbers([settings[0], settings[1], settings[2]], surfaces)
     }
 }
 

@@ -1,6 +1,6 @@
 //! The evaluation of functions whose results have objects beside numbers.
 
-use super::super::arguments::{CONTACTS, COTANGENT, Q, WRENCH_COTANGENT};
+use super::super::arguments::{ACTIVE, COTANGENT, Q, WRENCH_COTANGENT};
 use super::call::Call;
 use super::components::{read, write};
 use crate::Scalar;
@@ -47,7 +47,7 @@ impl<S: Scalar> Call<'_, S> {
     pub(super) fn constrained_forward_dynamics(self) {
         let Self { robot, given, out } = self;
         let [qdd, wrenches, residuals, rank] = out.parts();
-        robot.activate(&given[CONTACTS]);
+        robot.activate(&given[ACTIVE]);
         let mut held = read(wrenches);
         let mut unmet = read(residuals);
         let outputs = ConstrainedOutputs { qdd, wrenches: &mut held, residuals: &mut unmet };
@@ -71,7 +71,7 @@ impl<S: Scalar> Call<'_, S> {
     pub(super) fn project_constraints(self) {
         let Self { robot, given, out } = self;
         let [step_q, step_qd, rank] = out.parts();
-        robot.activate(&given[CONTACTS]);
+        robot.activate(&given[ACTIVE]);
         let outputs = ProjectionOutputs { step_q, step_qd };
         rank[0] = robot.solve_projection(given.state(), &given.settings(), outputs);
     }
@@ -79,7 +79,7 @@ impl<S: Scalar> Call<'_, S> {
     pub(super) fn constrained_forward_dynamics_derivatives(self) {
         let Self { robot, given, out } = self;
         let [qdd, wrenches, dqdd_dq, dqdd_dqd, dqdd_dtau, changes @ .., rank] = out.parts::<9>();
-        robot.activate(&given[CONTACTS]);
+        robot.activate(&given[ACTIVE]);
         let mut held = read(wrenches);
         let mut changes_of_wrenches = changes.each_ref().map(|numbers| read(numbers));
         let [dwrenches_dq, dwrenches_dqd, dwrenches_dtau] = &mut changes_of_wrenches;
@@ -103,7 +103,7 @@ impl<S: Scalar> Call<'_, S> {
     pub(super) fn constrained_forward_dynamics_hessian(self) {
         let Self { robot, given, out } = self;
         let [qdd, wrenches, by_q, by_qd, by_tau, hessian @ .., rank] = out.parts::<10>();
-        robot.activate(&given[CONTACTS]);
+        robot.activate(&given[ACTIVE]);
         let mut held = read(wrenches);
         let gradients = [by_q, by_qd, by_tau];
         let outputs = ConstrainedHessianOutputs { qdd, wrenches: &mut held, gradients, hessian };
@@ -116,7 +116,7 @@ impl<S: Scalar> Call<'_, S> {
     pub(super) fn impact_dynamics(self) {
         let Self { robot, given, out } = self;
         let [qd, impulses, rank] = out.parts();
-        robot.activate(&given[CONTACTS]);
+        robot.activate(&given[ACTIVE]);
         let mut transmitted = read(impulses);
         let outputs = ImpulseOutputs { qd, impulses: &mut transmitted };
         rank[0] = robot.solve_impulse(given.state(), &given.settings(), outputs);
@@ -126,7 +126,7 @@ impl<S: Scalar> Call<'_, S> {
     pub(super) fn constrained_inverse_dynamics(self) {
         let Self { robot, given, out } = self;
         let [tau, wrenches, rank] = out.parts();
-        robot.activate(&given[CONTACTS]);
+        robot.activate(&given[ACTIVE]);
         let mut transmitted = read(wrenches);
         let outputs = ConstrainedInverseOutputs { tau, wrenches: &mut transmitted };
         rank[0] = robot.solve_torques(given.motion(), &given.settings(), outputs);
@@ -136,7 +136,7 @@ impl<S: Scalar> Call<'_, S> {
     pub(super) fn operational_space_inertia(self) {
         let Self { robot, given, out } = self;
         let [delassus, inertia, rank] = out.parts();
-        robot.activate(&given[CONTACTS]);
+        robot.activate(&given[ACTIVE]);
         let outputs = OperationalSpaceInertiaOutputs { delassus, inertia };
         rank[0] = robot.solve_inertia(&given[Q], &given.settings(), outputs);
     }

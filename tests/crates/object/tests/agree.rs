@@ -34,7 +34,7 @@ macro_rules! results {
             beta: 100.0,
             tolerance: 1e-5,
             rounding: 1e-6,
-            contacts: [ContactTarget { alpha: 3.0, compliance: 1e-3, ..ContactTarget::default() }],
+            targets: [ContactTarget { alpha: 3.0, compliance: 1e-3, ..ContactTarget::default() }],
         };
         let mut uniform = 0.05;
         let uniform = || {

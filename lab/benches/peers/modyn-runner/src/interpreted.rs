@@ -13,8 +13,8 @@ use crate::{robots, states};
 pub fn settings(contacts: usize) -> ConstraintSettings<f64, Vec<ContactTarget<f64>>> {
     let ConstraintSettings { alpha, beta, tolerance, rounding, .. } =
         ConstraintSettings::<f64>::EXACT;
-    let contacts = vec![ContactTarget::<f64>::EXACT; contacts];
-    ConstraintSettings { alpha, beta, tolerance, rounding, contacts }
+    let targets = vec![ContactTarget::<f64>::EXACT; contacts];
+    ConstraintSettings { alpha, beta, tolerance, rounding, targets }
 }
 
 /// A quantity of a robot, all of whose contacts are active.
@@ -39,7 +39,7 @@ impl Quantity {
         let shape = (function.row().result)(&interpreter.sizes());
         let count = interpreter.model().contacts().len();
         let settings = settings(count);
-        let targets = settings.contacts.iter().flat_map(ContactTarget::numbers);
+        let targets = settings.targets.iter().flat_map(ContactTarget::numbers);
         Self {
             compared: compared(&shape),
             result: vec![0.0; shape.len()],
@@ -57,7 +57,7 @@ impl Quantity {
             "qd" => qd,
             "tau" => tau,
             "qdd" => qdd,
-            "contacts" => &self.contacts,
+            "active" => &self.contacts,
             _ => &self.settings,
         };
         let row = self.function.row();

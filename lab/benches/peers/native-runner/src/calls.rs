@@ -27,7 +27,7 @@ pub fn builder(robot: &Robot, quantity: &str) -> Builder {
 /// Returns the numbers of an argument that is the same at all states: all contacts are active, and nothing stabilizes them.
 pub fn constant(name: &str, contacts: usize) -> Vec<f64> {
     match name {
-        "contacts" => vec![1.0; contacts],
+        "active" => vec![1.0; contacts],
         "settings" => {
             let settings = ConstraintSettings::<f64, [ContactTarget<f64>; 0]>::EXACT.numbers();
             let target = ContactTarget::<f64>::EXACT.numbers();

@@ -67,7 +67,7 @@ pub fn one(robot: &Robot, quantity: &str) {
         .iter()
         .map(|(name, shape)| match *name {
             "q" => neutral.clone(),
-            "contacts" | "settings" => calls::constant(name, contacts),
+            "active" | "settings" => calls::constant(name, contacts),
             _ => vec![0.1; shape.len()],
         })
         .collect();
