@@ -110,8 +110,8 @@ impl CTypes {
         }
         text += "typedef struct {\n";
         for (field, shape) in fields.nonempty() {
-            let docs =
-                docs_of_field(&name, field).map_or(String::new(), |docs| format!(" /* {docs} */"));
+            let docs = docs_of_field(&name, field).map(String::from).or_else(|| size(shape));
+            let docs = docs.map_or(String::new(), |docs| format!(" /* {docs} */"));
             let _ = writeln!(text, "    {};{docs}", self.variable(field, shape));
         }
         let is_array =
@@ -218,7 +218,18 @@ pub(super) fn docs_of_record(name: &str) -> Option<&'static str> {
     })
 }
 
-/// Returns what a field of the settings is.
+/// Returns the numbers of rows and columns of a matrix.
+fn size(shape: &Shape) -> Option<String> {
+    match shape {
+        Shape::Array(column, columns, Elements::Columns) => {
+            Some(format!("{} x {columns}, by columns", column.len()))
+        }
+        Shape::Array(matrix, ..) => size(matrix),
+        _ => None,
+    }
+}
+
+/// Returns what a field is, with its units.
 pub(super) fn docs_of_field(record: &str, field: &str) -> Option<&'static str> {
     Some(match (record, field) {
         ("contact_target", "pose") => "in the world; the ground is its xy plane, z the normal",
@@ -246,11 +257,24 @@ pub(super) fn docs_of_field(record: &str, field: &str) -> Option<&'static str> {
         ("contact_surface", "solimp") => {
             "impedance at the surface and at the width; width, m; midpoint"
         }
-        ("step_solution" | "actuated_step", "forces") => {
+        (_, "q") => "coordinates: m, rad, quaternions",
+        (_, "qd") => "velocities: m/s, rad/s",
+        (_, "qdd") => "accelerations: m/s^2, rad/s^2",
+        (_, "tau") => "joint forces: N, N m",
+        (_, "act") => "activations",
+        (_, "step_q") => "m, rad",
+        (_, "step_qd") => "m/s, rad/s",
+        (_, "wrenches") => "on the link of each constraint",
+        (_, "impulses") => "on the link of each constraint, N s, N m s",
+        (_, "residuals") => "the unmet acceleration of each constraint, m/s^2, rad/s^2",
+        (_, "displacements") => "of each constraint, m, rad",
+        (_, "velocities") => "of each constraint, m/s, rad/s",
+        (_, "rate") => "the rate of the momentum, N, N m",
+        (_, "forces") => {
             "at each point, along the x and y axes of its plane, then along the normal, N"
         }
-        ("step_solution" | "actuated_step", "residual") => "relative to the largest force",
-        ("step_solution" | "actuated_step", "iterations") => "their number",
+        (_, "residual") => "relative to the largest force",
+        (_, "iterations") => "their number",
         ("constraint_settings", "targets") => "in the order of the contacts",
         ("step_settings", "surfaces") => "in the order of the shapes that touch the ground",
         (_, "rank") => "the number of independent rows of the active constraints",

@@ -6,10 +6,12 @@ use std::process::Command;
 
 use modyn_codegen::diagnostics::Diagnostics;
 use modyn_codegen::plan::{Argument, ArgumentKind, Record, Shape};
-use modyn_codegen::{Builder, Emitted, Function, FusedFunction, Target};
+use modyn_codegen::{Builder, ContactKind, Emitted, Function, FusedFunction, Target};
 
 use crate::conformance::c::{STRICT, execute, main_of, write};
-use crate::conformance::{Arithmetic, BackEnd, Call, Case, Subject, USED, command, folder, robot};
+use crate::conformance::{
+    Arithmetic, BackEnd, Call, Case, Subject, USED, command, contact, folder, robot,
+};
 
 /// Where Debian's package `libeigen3-dev` has its headers.
 const EIGEN: &str = "/usr/include/eigen3";
@@ -167,3 +169,56 @@ pub fn compiles_under_names_of_members() {
         command(compile.arg(format!("{stem}.hpp")).arg("/dev/null").current_dir(&folder));
     }
 }
+
+/// A rollout is a loop of steps over the columns of its controls, which may be some of a matrix.
+pub fn rollouts_are_loops_of_steps() {
+    let tip = contact("tip", ContactKind::Point, "lower", [0.1, 0.0, -0.4]);
+    let builder = robot("double_pendulum").contacts([tip]).type_name("Ours");
+    let emitted = builder.functions([Function::StepRk4, Function::Step]).emit(Target::Cpp);
+    let folder = folder("cpp_rollouts");
+    write(&emitted.expect("good"), &folder);
+    std::fs::write(folder.join("main.cpp"), ROLLOUTS).expect("writes");
+    command(Command::new("gcc").args(["-O1", "-c", "ours.c"]).current_dir(&folder));
+    let mut compile = Command::new("g++");
+    compile.args(["-std=c++17", "-Wall", "-Wextra", "-Wconversion", "-Werror", "-isystem", EIGEN]);
+    compile.args(["main.cpp", "ours.o", "-lm", "-o", "main"]);
+    command(compile.current_dir(&folder));
+    assert_eq!(command(&mut Command::new(folder.join("main"))), "the same\n");
+}
+
+const ROLLOUTS: &str = r#"
+#include <cstdio>
+#define EIGEN_RUNTIME_NO_MALLOC
+#include "ours.hpp"
+
+int main() {
+    constexpr int steps = 40;
+    using State = Eigen::Matrix<double, Ours::nq + Ours::nv, 1>;
+    Eigen::Matrix<double, Ours::nv, Eigen::Dynamic> controls(Ours::nv, steps + 3);
+    for (int k = 0; k < controls.size(); ++k) controls.data()[k] = 0.02 * (k % 7) - 0.05;
+    Ours::StepSettings settings = Ours::default_step_settings();
+    settings.surfaces[0].plane.translation[2] = -0.6;
+    Eigen::Matrix<double, Ours::nq + Ours::nv, steps> trajectory, by_rk4;
+    Ours::Vector<Ours::nq> q(0.3, -0.2), at = q, start = q;
+    Ours::Vector<Ours::nv> qd(0.1, 0.4), rate = qd, speed = qd, warm = qd * 0, warm_start = warm;
+    Eigen::internal::set_is_malloc_allowed(false);
+    Ours::rollout(controls.leftCols<steps>(), 0.01, settings, q, qd, warm, trajectory.data());
+    Ours::rollout_rk4(controls.middleCols<steps>(2), 0.01, start, speed, by_rk4.data());
+    Eigen::internal::set_is_malloc_allowed(true);
+    bool touched = false, same = true;
+    for (int k = 0; k < steps; ++k) {
+        const auto next = Ours::step(at, rate, controls.col(k), 0.01, warm_start, settings);
+        at = next.q, rate = next.qd, warm_start = next.qdd;
+        touched = touched || next.forces(2, 0) > 0;
+        same = same && (trajectory.col(k) - (State() << at, rate).finished()).isZero(0);
+    }
+    same = same && at == q && rate == qd && warm == warm_start;
+    at << 0.3, -0.2, rate << 0.1, 0.4;
+    for (int k = 0; k < steps; ++k) {
+        const auto next = Ours::step_rk4(at, rate, controls.col(k + 2), 0.01);
+        at = next.q, rate = next.qd;
+    }
+    same = same && at == start && rate == speed && by_rk4.col(steps - 1) == (State() << at, rate).finished();
+    std::puts(touched && same ? "the same" : touched ? "they differ" : "nothing touched");
+}
+"#;

@@ -75,6 +75,7 @@ fn cpp_with_eigen() {
     }
     conforms(&cpp::Cpp, &cpp::keywords(), FloatType::F32);
     cpp::compiles_under_names_of_members();
+    cpp::rollouts_are_loops_of_steps();
 }
 
 #[test]

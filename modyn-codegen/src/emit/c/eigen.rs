@@ -5,7 +5,8 @@
 
 use std::fmt::Write as _;
 
-use super::{C, Item, Parameter, Programs, items};
+use super::rollout::RolloutArguments;
+use super::{Array, C, Item, Parameter, Programs, items};
 use crate::emit::c_types::{CType, Fields, docs_of_field, docs_of_record};
 use crate::emit::indices::{all_names, with_enumerations};
 use crate::emit::{Backend, EmitOptions, File, PlannedRobot};
@@ -80,6 +81,9 @@ impl Class {
         self.enumerations(robot);
         for item in &items {
             self.function(item);
+            if let Some(name) = &item.rollout {
+                self.rollout(name, item);
+            }
         }
         self.default_settings();
         if MEMBERS.contains(&&*self.name) || self.defined.contains(&self.name) {
@@ -161,6 +165,34 @@ impl Class {
                  return out;\n    }}\n"
             );
         }
+    }
+
+    /// Prints the function `name`, which moves a state by the steps of an item.
+    fn rollout(&mut self, name: &str, step: &Item<'_>) {
+        let RolloutArguments { planned, numbers, shared, moved } = RolloutArguments::new(step);
+        let mut declared =
+            format!("const MatrixRef<{}, Eigen::Dynamic> &controls", planned.array.len);
+        let mut passed = String::from("static_cast<unsigned>(controls.cols()), controls.data()");
+        for argument in shared.into_iter().map(|parameter| self.passed(parameter)) {
+            let _ = write!(declared, ", {}", argument.declared);
+            let _ = write!(passed, ", {}", argument.passed);
+        }
+        for parameter in moved {
+            let Array { name, len } = &parameter.array;
+            let _ = write!(declared, ", Eigen::Ref<Vector<{len}>> {name}");
+            let _ = write!(passed, ", {name}.data()");
+        }
+        let prefix = format!("{}_", self.prefix);
+        let own = |name: &str| name.strip_prefix(&prefix).unwrap_or(name).to_owned();
+        let _ = writeln!(
+            self.text,
+            "    /// Moves the state `q`, `qd` by a step of `{}` for each column of `controls`, its {numbers}.\n    \
+             /// `trajectory` has room for q and qd after each step, nq + nv numbers, or is null.\n    \
+             static void {}({declared}, Scalar *trajectory = nullptr) noexcept {{\n        \
+             {name}({passed}, trajectory);\n    }}\n",
+            own(&step.name),
+            own(name),
+        );
     }
 
     /// Prints the settings by default.

@@ -10,26 +10,44 @@ fn is_moved(name: &str) -> bool {
     ["q", "qd"].contains(&name) || CARRIED.contains(&name)
 }
 
+/// The arguments of a rollout.
+pub(super) struct RolloutArguments<'a> {
+    /// The argument that each step has of its own.
+    pub(super) planned: &'a Parameter,
+    /// What its numbers are.
+    pub(super) numbers: &'static str,
+    /// The arguments that all steps share.
+    pub(super) shared: Vec<&'a Parameter>,
+    /// The arguments that a step replaces by its first results.
+    pub(super) moved: Vec<&'a Parameter>,
+}
+
+impl<'a> RolloutArguments<'a> {
+    /// Returns the arguments of the rollout of a time step.
+    pub(super) fn new(step: &'a Item<'_>) -> Self {
+        let parameter = |name: &str| step.parameters.iter().find(|p| p.array.name == name);
+        let (planned, numbers) = PLANNED
+            .into_iter()
+            .find_map(|(name, numbers)| Some((parameter(name)?, numbers)))
+            .expect("a time step has forces");
+        let others = step.parameters.iter().filter(|p| p.array.name != planned.array.name);
+        let (moved, shared) = others.partition(|parameter| is_moved(&parameter.array.name));
+        Self { planned, numbers, shared, moved }
+    }
+}
+
 impl Printer {
     /// Prints the function `name`, which moves a state by several time steps of the function
     /// `step`. `sizes` are the numbers of coordinates and of velocities.
     pub(super) fn rollout(&mut self, name: &str, step: &Item<'_>, [nq, nv]: [usize; 2]) {
         let real = self.real();
         let state = nq + nv;
-        let array =
-            |name: &str| step.parameters.iter().map(|p| &p.array).find(|array| array.name == name);
-        let (of_plan, numbers) = PLANNED
-            .into_iter()
-            .find_map(|(name, numbers)| Some((array(name)?, numbers)))
-            .expect("a time step has forces");
-        let others = step.parameters.iter().filter(|p| p.array.name != of_plan.name);
-        let (moved, shared): (Vec<&Parameter>, Vec<&Parameter>) =
-            others.partition(|parameter| is_moved(&parameter.array.name));
+        let RolloutArguments { planned, numbers, shared, moved } = RolloutArguments::new(step);
         let moved: Vec<&Array> = moved.into_iter().map(|parameter| &parameter.array).collect();
         let in_place: String =
             moved.iter().map(|array| self.array(&array.name, array.len) + ", ").collect();
         let shared: String = shared.into_iter().map(|p| self.read(p)).collect();
-        let count = of_plan.len;
+        let count = planned.array.len;
         let head = format!(
             "void {name}(unsigned int steps, const {real} *controls, {shared}{in_place}{real} *trajectory)"
         );
@@ -50,11 +68,12 @@ impl Printer {
             step.name
         );
         let numbers_of_step = format!("&controls[step * {count}]");
-        let passed =
-            step.parameters.iter().map(|parameter| match parameter.array.name == of_plan.name {
+        let passed = step.parameters.iter().map(|parameter| {
+            match parameter.array.name == planned.array.name {
                 true => numbers_of_step.clone(),
                 false => self.numbers_of(parameter),
-            });
+            }
+        });
         let arguments = passed.collect::<Vec<String>>().join(", ");
         let mut text = format!(
             "{head}\n{{\n    {real} next[{}];\n    unsigned int step;\n    unsigned int i;\n    \
