@@ -111,8 +111,8 @@ impl CTypes {
         text += "typedef struct {\n";
         for (field, shape) in fields.nonempty() {
             let docs = docs_of_field(&name, field).map(String::from).or_else(|| size(shape));
-            let docs = docs.map_or(String::new(), |docs| format!(" /* {docs} */"));
-            let _ = writeln!(text, "    {};{docs}", self.variable(field, shape));
+            let comment = docs.map_or(String::new(), |docs| format!(" /* {docs} */"));
+            let _ = writeln!(text, "    {};{comment}", self.variable(field, shape));
         }
         let is_array =
             format!("sizeof({prefix}_{name}_t) == {} * sizeof({number})", shape_of(fields).len());

@@ -183,15 +183,15 @@ impl Class {
             let _ = write!(passed, ", {name}.data()");
         }
         let prefix = format!("{}_", self.prefix);
-        let own = |name: &str| name.strip_prefix(&prefix).unwrap_or(name).to_owned();
+        let without_prefix = |name: &str| name.strip_prefix(&prefix).unwrap_or(name).to_owned();
         let _ = writeln!(
             self.text,
             "    /// Moves the state `q`, `qd` by a step of `{}` for each column of `controls`, its {numbers}.\n    \
              /// `trajectory` has room for q and qd after each step, nq + nv numbers, or is null.\n    \
              static void {}({declared}, Scalar *trajectory = nullptr) noexcept {{\n        \
              {name}({passed}, trajectory);\n    }}\n",
-            own(&step.name),
-            own(name),
+            without_prefix(&step.name),
+            without_prefix(name),
         );
     }
 
