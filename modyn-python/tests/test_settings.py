@@ -152,6 +152,52 @@ def test_heights_are_checked_in_the_scalar():
         robot.rollout(q, qd, np.zeros((3, robot.nv)), DT, step="step", ground=HeightField(np.full((2, 2), 1e300)))
 
 
+def on_ground(robot, q, **fields):
+    """Returns settings in which the foot is 10 cm below the ground."""
+    pose = robot.link_pose(q, "link4")
+    height = (pose.rotation @ CONTACTS["foot"][2] + pose.translation)[2] + 0.1
+    return StepSettings([ContactSurface(translation=(0, 0, -9)), ContactSurface(translation=(0, 0, height), **fields)])
+
+
+FIELDS = {"friction": [0.1, 0.4, 0.9], "solref": [[0.02, 1.0], [0.1, 0.7], [0.02, 2.0]]}
+
+
+def test_fields_of_settings_have_axes_of_states(robot):
+    q, qd, tau = state(robot)
+    found = robot.step(q, qd, tau, DT, settings=on_ground(robot, q, **{name: np.array(x) for name, x in FIELDS.items()}))
+    motion = robot.rollout(q, qd, np.tile(tau, (2, 1)), DT, step="step", settings=on_ground(robot, q, friction=np.array(FIELDS["friction"])))
+    assert found.qd.shape == (3, robot.nv) and motion.qd.shape == (3, 2, robot.nv)
+    for k in range(3):
+        own = on_ground(robot, q, **{name: x[k] for name, x in FIELDS.items()})
+        assert np.allclose(found.qd[k], robot.step(q, qd, tau, DT, settings=own).qd, rtol=0, atol=1e-12)
+        assert np.abs(found.qd[k] - found.qd[k - 1]).max() > 1e-4 and np.abs(motion.qd[k] - motion.qd[k - 1]).max() > 1e-4
+    settings = ConstraintSettings([ContactTarget(compliance=np.array([0.0, 0.3])), ContactTarget()], alpha=np.array([5.0, 9.0]))
+    assert np.asarray(settings).shape[:-1] == (2,)
+    qdd = robot.constrained_forward_dynamics(q, qd, tau, settings=settings).qdd
+    one = ConstraintSettings([ContactTarget(compliance=0.3), ContactTarget()], alpha=9.0)
+    assert np.allclose(qdd[1], robot.constrained_forward_dynamics(q, qd, tau, settings=one).qdd, rtol=0, atol=1e-10)
+    with pytest.raises((TypeError, ValueError), match=r"`solref` of the settings has the shape \(3,\); expected \(2,\)"):
+        robot.rollout(q, qd, np.tile(tau, (2, 1)), DT, step="step", settings=on_ground(robot, q, solref=(1, 2, 3)))
+
+
+def test_jax_differentiates_fields_of_settings(robot):
+    jax = pytest.importorskip("jax")
+    jax.config.update("jax_enable_x64", True)
+    import modyn.jax
+
+    q, qd, tau = state(robot)
+    rollout, step = modyn.jax.rollout(robot, step="step"), modyn.jax.function(robot, "step")
+    calls = {
+        "step": lambda friction: step(q, qd, tau, DT, settings=on_ground(robot, q, friction=friction)).qd.sum(),
+        "rollout": lambda friction: rollout(q, qd, np.tile(tau, (3, 1)), DT, settings=on_ground(robot, q, friction=friction)).qd.sum(),
+    }
+    for name, call in calls.items():
+        found, h = jax.jit(jax.vmap(jax.grad(call)))(np.array([0.1, 0.2])), 1e-5
+        for friction, gradient in zip([0.1, 0.2], found):
+            expected = (call(friction + h) - call(friction - h)) / (2 * h)
+            assert abs(expected) > 1e-3 and abs(gradient - expected) < 1e-5 * max(1, abs(expected)), name
+
+
 def test_jax_checks_settings(robot):
     jax = pytest.importorskip("jax")
     jax.config.update("jax_enable_x64", True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import namedtuple
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
@@ -13,9 +14,6 @@ from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 if TYPE_CHECKING:
     from ._modyn import GpuArray
-
-Numbers = Sequence[float] | NDArray[Any]
-"""numbers along one axis"""
 
 
 class JointLimits(NamedTuple):
@@ -55,9 +53,48 @@ class BaseParameters(NamedTuple):
     """(parameters,): the numbers of the description"""
 
 
+SHAPES = {"rotation": (3, 3), "translation": (3,), "velocity": (6,), "solref": (2,), "solimp": (4,)}
+"""the shapes of the fields of settings that are no numbers"""
+
+
+def _named(settings: ContactTarget | ContactSurface) -> list[tuple[str, Any]]:
+    return [(name, getattr(settings, name)) for name in settings.__dataclass_fields__]
+
+
+def _numbers(named: Sequence[tuple[str, Any]]) -> list[float] | None:
+    """Returns the numbers of fields, one field after another; `None` if one has axes of states."""
+    numbers = []
+    for name, value in named:
+        if isinstance(value, float):
+            numbers.append(value)
+            continue
+        array = np.asarray(value)
+        if array.shape != SHAPES.get(name, ()):
+            return None
+        numbers += array.ravel().tolist()
+    return numbers
+
+
+def of_fields(named: Sequence[tuple[str, Any]], dtype: DTypeLike, library: Any = np) -> Any:
+    """Returns the numbers of fields as an array (..., n), with the axes of states of all fields. `library` is `numpy` or `jax.numpy`."""
+    numbers = _numbers(named) if library is np else None
+    if numbers is not None:
+        return np.array(numbers, dtype)
+    parts = []
+    for name, value in named:
+        array, shape = library.asarray(value), SHAPES.get(name, ())
+        lead = array.ndim - len(shape)
+        if lead < 0 or array.shape[lead:] != shape:
+            raise ValueError(f"`{name}` of the settings has the shape {array.shape}; expected {shape}, after axes of states")
+        parts.append(array.reshape(*array.shape[:lead], math.prod(shape)))
+    lead = np.broadcast_shapes(*(part.shape[:-1] for part in parts))
+    return library.concatenate([library.broadcast_to(part, (*lead, part.shape[-1])) for part in parts], -1).astype(dtype)
+
+
 @dataclass
 class ContactTarget:
-    """The frame in the world that a contact holds its link's frame to; by default the plane z = 0, at rest and rigid."""
+    """The frame in the world that a contact holds its link's frame to; by default the plane z = 0, at rest and rigid. As in all
+    settings, a field can have leading axes, those of states: `alpha` of the shape (n,) has a number for each of n states."""
 
     rotation: ArrayLike = field(default_factory=lambda: np.eye(3))
     """(3, 3): the columns are the target's axes in the world; z is the normal"""
@@ -65,24 +102,21 @@ class ContactTarget:
     """(3,), m"""
     velocity: ArrayLike = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     """(6,): the velocity of the ground in world axes, linear, then angular, m/s and rad/s"""
-    tangential: float = 0.0
+    tangential: ArrayLike = 0.0
     """the factor of the tangential displacement: 0 for a plane, 1 for a frame"""
-    alpha: float = 20.0
+    alpha: ArrayLike = 20.0
     """the damping of the displacement, 1/s"""
-    beta: float = 20.0
+    beta: ArrayLike = 20.0
     """the stiffness of the displacement, 1/s"""
-    compliance: float = 0.0
+    compliance: ArrayLike = 0.0
     """the relative acceleration that the contact allows per force, 1/kg"""
-    restitution: float = 0.0
+    restitution: ArrayLike = 0.0
     """the coefficient of restitution along the normal"""
-    weight: float = 1.0
+    weight: ArrayLike = 1.0
     """the weight of the contact in the distribution of the load by inverse dynamics"""
 
     def __array__(self, dtype: DTypeLike | None = None, copy: bool | None = None) -> NDArray[Any]:
-        vectors = [np.asarray(x, float).ravel() for x in (self.rotation, self.translation, self.velocity)]
-        stabilization = [self.tangential, self.alpha, self.beta]
-        numbers = [*stabilization, self.compliance, self.restitution, self.weight]
-        return np.concatenate([*vectors, numbers]).astype(np.dtype(dtype))
+        return np.asarray(of_fields(_named(self), np.dtype(dtype)))
 
 
 @dataclass
@@ -91,56 +125,55 @@ class ConstraintSettings:
 
     targets: list[ContactTarget] = field(default_factory=list)
     """the target of each contact, active or not, in the order of `contact_names`"""
-    alpha: float = 20.0
+    alpha: ArrayLike = 20.0
     """the damping of the displacements of loop constraints, 1/s"""
-    beta: float = 20.0
+    beta: ArrayLike = 20.0
     """the stiffness of the displacements of loop constraints, 1/s"""
-    tolerance: float | None = None
+    tolerance: ArrayLike | None = None
     """the mobility of a dependent row relative to its constraint's mobility in all six directions; by default 1e-10, and
     1e-8 in single precision"""
-    rounding: float | None = None
+    rounding: ArrayLike | None = None
     """the part of a row's own mobility that rounding may leave; by default 1e-10, and 1e-5 in single precision"""
 
     def __array__(self, dtype: DTypeLike | None = None, copy: bool | None = None) -> NDArray[Any]:
-        wanted = np.dtype(dtype)
-        tolerance, rounding = (1e-8, 1e-5) if wanted == np.float32 else (1e-10, 1e-10)
+        return np.asarray(of_fields(self._named(np.dtype(dtype)), np.dtype(dtype)))
+
+    def _named(self, dtype: np.dtype[Any]) -> list[tuple[str, Any]]:
+        tolerance, rounding = (1e-8, 1e-5) if dtype == np.float32 else (1e-10, 1e-10)
         tolerance = tolerance if self.tolerance is None else self.tolerance
         rounding = rounding if self.rounding is None else self.rounding
-        numbers = np.array([self.alpha, self.beta, tolerance, rounding])
-        return np.concatenate([numbers, *(np.asarray(target) for target in self.targets)]).astype(wanted)
+        own = [("alpha", self.alpha), ("beta", self.beta), ("tolerance", tolerance), ("rounding", rounding)]
+        return [*own, *(pair for target in self.targets for pair in _named(target))]
 
 
 @dataclass
 class ContactSurface:
-    """The surfaces of a contact of `step`: a plane, and the rounding of the shape that touches it. Defaults are MuJoCo's."""
+    """The surfaces of a contact of `step`: a plane, and the rounding of the shape that touches it. Defaults are MuJoCo's. A
+    field can have leading axes, those of states: `friction` of the shape (n,) has a coefficient for each of n states."""
 
     rotation: ArrayLike = field(default_factory=lambda: np.eye(3))
     """(3, 3): the columns are the plane's axes in the world; z is the normal"""
-    translation: Numbers = (0.0, 0.0, 0.0)
+    translation: ArrayLike = (0.0, 0.0, 0.0)
     """(3,): a point of the plane, m"""
-    radius: float = 0.0
+    radius: ArrayLike = 0.0
     """the radius of a sphere or a capsule, or of a shape's round edges, m; 0 for a point"""
-    friction: float = 1.0
+    friction: ArrayLike = 1.0
     """the coefficient of sliding friction"""
-    torsional_friction: float = 0.005
+    torsional_friction: ArrayLike = 0.005
     """the moment about the normal divided by the normal force, m: for contacts of at least four components"""
-    rolling_friction: float = 0.0001
+    rolling_friction: ArrayLike = 0.0001
     """the moment about a tangent divided by the normal force, m: for contacts of six components"""
-    margin: float = 0.0
+    margin: ArrayLike = 0.0
     """the distance from which on the contact acts, m"""
-    solref: Numbers = (0.02, 1.0)
+    solref: ArrayLike = (0.02, 1.0)
     """(2,): how a violation decays: the time constant (s) and the damping ratio; if the first number is negative, minus the
     stiffness and minus the damping"""
-    solimp: Numbers = (0.9, 0.95, 0.001, 0.5)
+    solimp: ArrayLike = (0.9, 0.95, 0.001, 0.5)
     """(4,): the impedance at the surface and at the depth `width`; the width, m; the share of the width at which the curve between
     them, of two parabolas, changes its direction"""
 
     def __array__(self, dtype: DTypeLike | None = None, copy: bool | None = None) -> NDArray[Any]:
-        return np.array(self._numbers(), np.dtype(dtype))
-
-    def _numbers(self) -> list[float]:
-        numbers = [self.radius, self.friction, self.torsional_friction, self.rolling_friction, self.margin]
-        return [*np.ravel(self.rotation).tolist(), *self.translation, *numbers, *self.solref, *self.solimp]
+        return np.asarray(of_fields(_named(self), np.dtype(dtype)))
 
 
 @dataclass
@@ -149,12 +182,12 @@ class StepSettings:
 
     surfaces: list[ContactSurface] = field(default_factory=list)
     """the surface of each shape that touches the ground, in the order of `touching_shape_names`"""
-    tolerance: float | None = None
+    tolerance: ArrayLike | None = None
     """the largest mismatch between the forces and their laws at which the solver ends, divided by the sum of the robot's weight and
     the largest force; by default 1e-8, and 1e-4 in single precision"""
-    impratio: float = 1.0
+    impratio: ArrayLike = 1.0
     """how many times stiffer friction is than the normal direction"""
-    coulomb: float = 0.0
+    coulomb: ArrayLike = 0.0
     """the share of Coulomb's law in sliding, from 0 (MuJoCo's law) to 1: by MuJoCo's law a sliding contact separates at the speed of
     its slip times the friction; this share of that speed, by the slip before the step, is subtracted"""
 
@@ -166,11 +199,13 @@ class StepSettings:
         return replace(self, surfaces=surfaces, coulomb=1.0)
 
     def __array__(self, dtype: DTypeLike | None = None, copy: bool | None = None) -> NDArray[Any]:
-        wanted = np.dtype(dtype)
-        tolerance = 1e-4 if wanted == np.float32 else 1e-8
+        return np.asarray(of_fields(self._named(np.dtype(dtype)), np.dtype(dtype)))
+
+    def _named(self, dtype: np.dtype[Any]) -> list[tuple[str, Any]]:
+        tolerance = 1e-4 if dtype == np.float32 else 1e-8
         tolerance = tolerance if self.tolerance is None else self.tolerance
-        numbers = (number for surface in self.surfaces for number in surface._numbers())
-        return np.array([tolerance, self.impratio, self.coulomb, *numbers], wanted)
+        own = [("tolerance", tolerance), ("impratio", self.impratio), ("coulomb", self.coulomb)]
+        return [*own, *(pair for surface in self.surfaces for pair in _named(surface))]
 
 
 class Joint(NamedTuple):

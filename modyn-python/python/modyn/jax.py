@@ -36,7 +36,7 @@ from . import _modyn
 from ._arrays import ArrayFunction, Rollout, RolloutGradient, RolloutSignature, Signature, documented, motions, unchanging
 from ._modyn import Robot
 from ._results import ActuatedStep, StepSolution
-from ._types import HeightField, QuadraticCost, RolloutCosts, RolloutStates, StepSettings
+from ._types import ConstraintSettings, HeightField, QuadraticCost, RolloutCosts, RolloutStates, StepSettings, of_fields
 
 __all__ = ["function", "parameters", "rollout", "to_tangent"]
 
@@ -96,8 +96,6 @@ def rollout(
     ) -> Any:
         """Returns the states after each step, (..., steps, n), or after the last one."""
         arguments = {"q": q, "qd": qd, "controls": controls, "dt": dt, "gains": gains, "q_ref": q_ref, "qd_ref": qd_ref}
-        if isinstance(settings, StepSettings):
-            settings = np.asarray(settings, robot.dtype)
         arguments |= {"settings": settings, "warm_start": warm_start, "act": act, "applied": applied}
         given = {name: None if x is None else _array(x, dtype, name, "rollout") for name, x in arguments.items()}
         signature.start(given, jnp.asarray)
@@ -147,7 +145,7 @@ def _array(given: Any, dtype: np.dtype[Any], argument: str, name: str) -> Any:
             'the robot with `scalar="f32"`'
         )
     try:
-        array = jnp.asarray(given)
+        array = _of_settings(given, dtype) if isinstance(given, ConstraintSettings | StepSettings) else jnp.asarray(given)
     except (TypeError, ValueError) as error:
         raise TypeError(f"`{argument}` of `{name}` must be an array of real numbers: {error}") from None
     if array.dtype == dtype:
@@ -155,6 +153,14 @@ def _array(given: Any, dtype: np.dtype[Any], argument: str, name: str) -> Any:
     if not jnp.issubdtype(array.dtype, jnp.number) or jnp.issubdtype(array.dtype, jnp.complexfloating):
         raise TypeError(f"`{argument}` of `{name}` must be an array of real numbers, not of {array.dtype}")
     return array.astype(dtype)
+
+
+def _of_settings(settings: ConstraintSettings | StepSettings, dtype: np.dtype[Any]) -> Any:
+    """Returns settings as an array. Their fields can be arrays of a program that is being compiled or differentiated."""
+    try:
+        return jnp.asarray(np.asarray(settings, dtype))
+    except jax.errors.TracerArrayConversionError:
+        return of_fields(settings._named(dtype), dtype, jnp)
 
 
 def _concatenate(arrays: list[Any]) -> Any:
