@@ -30,38 +30,38 @@ Array: TypeAlias = NDArray[Any]
 class Options(TypedDict, total=False):
     # <!-- data: python-options -->
     gravity: Sequence[float] | None
-    """The acceleration of free fall in world axes, m/s^2; an MJCF or a model has its own. By default [0.0, 0.0,
-    -9.81], or the MJCF's or the model's own. For example: `[0, 0, -1.62]`."""
+    """The acceleration of free fall in world axes, m/s^2; an MJCF or a model has its own. Default: `[0.0, 0.0,
+    -9.81]`, or the MJCF's or the model's own. For example: `[0, 0, -1.62]`."""
     base: str | None
     """Whether the root link is fixed to the world or floats. With `auto`, a URDF's root link is fixed, and an
     SDF's floats unless a joint connects it to the world. In every format, `fixed` fixes what floats in the
-    world by itself, where the file places it, and `floating` is an error if the robot floats already. By
-    default auto. For example: `"floating"`."""
+    world by itself, where the file places it, and `floating` is an error if the robot floats already. Default:
+    `auto`. For example: `"floating"`."""
     mimic: str | None
     """How joints that mimic another one are read: they follow it and have no coordinate of their own, have one, or
     are refused. Joints with a coordinate of their own are free; `<equality>` of an MJCF couples them in the
-    function `step`, softly as in MuJoCo. By default follow. For example: `"independent"`."""
+    function `step`, softly as in MuJoCo. Default: `follow`. For example: `"independent"`."""
     armature: Mapping[str, Any] | str | None
     """Armatures of joints: the inertia of the drive after the gear (kg m^2, or kg for a prismatic joint), in place
-    of the description's. It acts in all dynamics. By default the description's. For example: `{"elbow": 1}`."""
+    of the description's. It acts in all dynamics. Default: the description's. For example: `{"elbow": 1}`."""
     rotors: Mapping[str, Any] | str | None
     """Armatures of joints by their rotors: the inertia of each before the gear (kg m^2) and the gear ratio. The
-    armature is the inertia times the square of the ratio. By default the description's. For example: `{"elbow":
+    armature is the inertia times the square of the ratio. Default: the description's. For example: `{"elbow":
     [0.0001, 100]}`."""
     loops: Mapping[str, Any] | str | None
     """Joints that close loops, besides the `<loop_joint>`s of the description: of type `spherical`, `fixed`,
     `revolute`, `continuous` or `prismatic`, the last three with an `axis` at the end. Roll, pitch and yaw, `[r,
-    p, y]`, may follow each origin. By default the description's. For example: `{"pin": ("revolute", "rod",
-    [0.5, 0, 0], "crank", [0.4, 0, 0], {"axis": [0, 1, 0]})}`."""
+    p, y]`, may follow each origin. Default: the description's. For example: `{"pin": ("revolute", "rod", [0.5,
+    0, 0], "crank", [0.4, 0, 0], {"axis": [0, 1, 0]})}`."""
     contacts: Mapping[str, Any] | str | None
     """Frames of links that can touch the world, besides the `<contact_frame>`s of the description: of type
     `point`, which stops the motion of the frame's origin, or `surface`, which stops rotations too. The frame's
-    origin may follow the link, and its roll, pitch and yaw may follow the origin. By default the description's.
+    origin may follow the link, and its roll, pitch and yaw may follow the origin. Default: the description's.
     For example: `{"fingertip": ("point", "hand", [0, 0, 0.2])}`."""
     ground: str | tuple[Any, ...] | None
     """The ground that collision shapes touch in the function `step`: a plane by a point (m) and the normal away
     from the ground, `plane` for z = 0. `friction = 0.8` at the end is the coefficient of all contacts, in place
-    of the description's. If there are contacts, their points touch the plane, and shapes do not. By default the
+    of the description's. If there are contacts, their points touch the plane, and shapes do not. Default: the
     planes in the world of an SDF or an MJCF. For example: `("plane", [0, 0, 0.1], [0, 0, 1])`."""
     actuators: Mapping[str, Any] | str | None
     """The actuators of joints, in the function `step_actuated`, by names in which `*` stands for any text:
@@ -69,49 +69,49 @@ class Options(TypedDict, total=False):
     `motor` with the force. `effort` (N m or N) at the end is the largest force; by default the effort limit of
     the description. `saturation` is the stall force of a torque-speed line, and `velocity` its no-load speed,
     by default the velocity limit. `delay` is the number of steps before a control acts. The option replaces the
-    actuators of an MJCF. By default the description's. For example: `{"elb*": ("position", 20, 0.5, {"effort":
+    actuators of an MJCF. Default: the description's. For example: `{"elb*": ("position", 20, 0.5, {"effort":
     23.5, "saturation": 30, "velocity": 25, "delay": 2})}`."""
     joint_friction: str | tuple[str, float] | None
-    """The damping and friction of the description that act on the joints. By default none, with a warning if there
+    """The damping and friction of the description that act on the joints. Default: `none`, with a warning if there
     are some. For example: `("smooth", 0.01)`."""
     unphysical_inertia: str | None
-    """How inertias that no rigid body has are reported. A negative mass is always an error. By default error. For
+    """How inertias that no rigid body has are reported. A negative mass is always an error. Default: `error`. For
     example: `"warn"`."""
     unsupported_forces: str | None
     """How forces of fluids, such as air, and of tendons in an MJCF are reported, which are not read. With a
     warning the robot is without them; springs and dampers of fixed tendons then act in the function `step`
-    only. By default error. For example: `"warn"`."""
+    only. Default: `error`. For example: `"warn"`."""
     packages: Mapping[str, Any] | str | None
     """The folders of ROS packages, which a description names in `$(find ...)` and `package://`. Packages in the
     folders above the description are found without this option, and so are packages in the folders of
-    `ROS_PACKAGE_PATH` and `AMENT_PREFIX_PATH`. By default found by their names. For example:
-    `{"arm_description": "robots/arm"}`."""
+    `ROS_PACKAGE_PATH` and `AMENT_PREFIX_PATH`. Default: found by their names. For example: `{"arm_description":
+    "robots/arm"}`."""
     xacro_args: Mapping[str, Any] | str | None
-    """The values of arguments of a xacro, `<xacro:arg>`, in place of their defaults. By default the defaults of
-    the xacro. For example: `{"prefix": "left_"}`."""
+    """The values of arguments of a xacro, `<xacro:arg>`, in place of their defaults. Default: the defaults of the
+    xacro. For example: `{"prefix": "left_"}`."""
     fused: Mapping[str, Any] | str | None
     """Fused functions: each computes several functions in one call, with their common work done once. It has the
     arguments of all its functions; its result is a type with a field for each of them (`jacobian_hand`).
     Functions of one link are named with the link. In generated code, `name: batch(..)` makes the form for many
-    states as well. By default none. For example: `{"control": ["mass_matrix", "bias_forces", ("jacobian",
+    states as well. Default: none. For example: `{"control": ["mass_matrix", "bias_forces", ("jacobian",
     "hand")]}`."""
     modules: str | Sequence[Sequence[str]] | None
     """The kinematic modules: maximal serial chains, links, or lists of link names, each from its parent outwards.
-    By default chains. For example: `[["upper_arm", "forearm"], ["hand"]]`."""
+    Default: `chains`. For example: `[["upper_arm", "forearm"], ["hand"]]`."""
     scalar: str | None
-    """The scalar of arguments and results: double or single precision. By default f64. For example: `"f32"`."""
+    """The scalar of arguments and results: double or single precision. Default: `f64`. For example: `"f32"`."""
     runtime_gravity: bool | None
-    """Makes gravity a run-time parameter, which can be changed; its value is then the default. By default False.
+    """Makes gravity a run-time parameter, which can be changed; its value is then the default. Default: `False`.
     For example: `True`."""
     runtime_inertia: Sequence[str] | None
     """The links whose own inertia is a run-time parameter: each replaces the description's, which is the default.
-    (Of each link alone, without the links that are fixed to it.) By default none. For example: `["hand"]`."""
+    (Of each link alone, without the links that are fixed to it.) Default: none. For example: `["hand"]`."""
     payload: Sequence[str] | None
     """The links with a payload: an inertia that is a run-time parameter and is added to the link's. Its default is
-    zero. By default none. For example: `["hand"]`."""
+    zero. Default: none. For example: `["hand"]`."""
     # <!-- end -->
     machine_code: bool
-    """Whether functions are compiled to machine code; without, they are evaluated. By default True."""
+    """Whether functions are compiled to machine code; without, they are evaluated. Default: `True`."""
 
 def load(path: str | os.PathLike[str], /, **options: Unpack[Options]) -> Robot:
     """Reads the robot of a file: URDF, xacro, SDF or MJCF.

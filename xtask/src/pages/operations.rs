@@ -83,27 +83,32 @@ pub(super) fn counted() -> String {
     head.to_owned() + &rows.concat()
 }
 
-/// Returns the count of a function, with the operations in lanes in brackets if `lanes`.
-fn cell(data: &Data, robot: &Robot, function: &str, lanes: bool) -> String {
+/// Returns the count of a function, with the operations in lanes in brackets if there are some.
+fn cell(data: &Data, robot: &Robot, function: &str) -> String {
     let [count, in_lanes] =
         ["operations", "in lanes"].map(|title| data.cell(&robot.key(function), title));
-    if lanes && !in_lanes.is_empty() { format!("{count} ({in_lanes})") } else { count.into() }
+    if in_lanes.is_empty() { count.into() } else { format!("{count} ({in_lanes})") }
 }
 
 /// Robots by functions.
-fn operations(functions: &str, lanes: bool) -> String {
+fn operations_in_lanes() -> String {
     let data = Data::load("operations");
+    let functions = [
+        "forward_dynamics",
+        "inverse_dynamics",
+        "mass_matrix",
+        "inverse_dynamics_derivatives",
+        "forward_dynamics_derivatives",
+    ];
     let title = |function: &str| match function.strip_suffix("_derivatives") {
-        _ if function == "brge" => "U D U^T".into(),
         Some(of) => format!("derivatives of {}", of.replace('_', " ")),
         None => function.replace('_', " "),
     };
-    let titles: Vec<String> = functions.split(' ').map(title).collect();
     let rows = ROBOTS.iter().map(|robot| {
-        let cells = functions.split(' ').map(|function| cell(&data, robot, function, lanes));
+        let cells = functions.map(|function| cell(&data, robot, function));
         [robot.title()].into_iter().chain(cells).collect::<Vec<_>>()
     });
-    table(&format!("robot | {}", titles.join(" | ")), rows)
+    table(&format!("robot | {}", functions.map(title).join(" | ")), rows)
 }
 
 /// modyn's operations beside CasADi's instructions.
@@ -119,7 +124,7 @@ fn beside_casadi() -> String {
         let mut row = vec![robot.title()];
         for function in functions {
             let theirs = theirs(robot, function).unwrap_or_default().into();
-            row.extend([cell(&own, robot, function, true), theirs]);
+            row.extend([cell(&own, robot, function), theirs]);
         }
         row
     });
@@ -128,20 +133,11 @@ fn beside_casadi() -> String {
 
 /// Returns the text of the mark `name`, if it is a table of operations.
 pub(super) fn text_of(name: &str) -> Option<String> {
-    let (functions, lanes) = match name {
-        "casadi" => return Some(beside_casadi()),
-        "operations" => (
-            "forward_dynamics inverse_dynamics mass_matrix brge forward_dynamics_derivatives",
-            false,
-        ),
-        "operations-in-lanes" => (
-            "forward_dynamics inverse_dynamics mass_matrix inverse_dynamics_derivatives \
-             forward_dynamics_derivatives",
-            true,
-        ),
-        _ => return None,
-    };
-    Some(operations(functions, lanes))
+    match name {
+        "casadi" => Some(beside_casadi()),
+        "operations-in-lanes" => Some(operations_in_lanes()),
+        _ => None,
+    }
 }
 
 /// The gradient of forward dynamics takes at most 2.65 times the operations of forward dynamics,

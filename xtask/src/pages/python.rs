@@ -332,11 +332,11 @@ pub(super) fn option_stubs() -> String {
     for row in options() {
         let value = Value::parse(row.example).expect("an example is a value");
         let default = match Value::parse(row.default.trim_matches('`')) {
-            Ok(value) if row.is_flag() => value.in_python(),
-            _ => row.default.replace('`', ""),
+            Ok(value) if row.is_flag() => format!("`{}`", value.in_python()),
+            _ => row.default.into(),
         };
         let example = value.in_python();
-        let docs = format!("{} By default {default}. For example: `{example}`.", row.docs.trim());
+        let docs = format!("{} Default: {default}. For example: `{example}`.", row.docs.trim());
         let _ = writeln!(text, "    {}: {} | None", row.name, option_type(row));
         let lines = wrap(&docs, 108);
         let _ = writeln!(text, "    \"\"\"{}\"\"\"", lines.join("\n    "));
