@@ -1,0 +1,253 @@
+"""A quadruped that learns to walk: many worlds as functions of JAX on modyn's steps. Leading axes are those of worlds.
+
+The methods `worlds`, `reset`, `step` and `observe` of `Walk` keep no state, so JAX can compile and scan them.
+"""
+
+import warnings
+from dataclasses import replace
+from pathlib import Path
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+import modyn
+import modyn.jax
+import numpy as np
+
+ROBOT = Path(__file__).resolve().parent / "quadruped.xml"
+FEET = [f"{end}_{side}_foot" for end in ("front", "hind") for side in ("left", "right")]
+#: The time between two actions, s, and the steps of the simulation in it.
+CONTROL, STEPS = 0.02, 5
+#: The offset of the targets from the posture for an action of 1, rad; the height of the trunk (m) that is rewarded.
+ACTION, HEIGHT = 0.4, 0.24
+#: The frequency of the trot (Hz), the part of its period at which each foot begins to swing, and how high a foot is lifted (m).
+FREQUENCY, LIFT = 2.5, 0.045
+TROT = np.array([0.0, 0.5, 0.5, 0.0])
+#: In control steps: an episode, the time of a command, and the time between two pushes.
+EPISODE, COMMAND, PUSH = 500, 200, 100
+#: The commands: the velocities forwards and to the left (m/s), and the turning rate (rad/s).
+COMMANDS = np.array([[-0.4, -0.25, -0.8], [0.6, 0.25, 0.8]])
+#: What each reward counts, per second.
+REWARDS = {
+    "tracking_lin_vel": 3.0,
+    "tracking_ang_vel": 1.2,
+    "gait": 2.0,
+    "feet_clearance": 0.8,
+    "alive": 0.3,
+    "lin_vel_z": -1.0,
+    "ang_vel_xy": -0.05,
+    "orientation": -4.0,
+    "base_height": -100.0,
+    "torques": -0.02,
+    "action_rate": -0.03,
+    "pose": -0.8,
+    "feet_slip": -0.3,
+}
+#: The sizes of an observation of the actor, of the critic, and of an action.
+ACTOR, CRITIC, ACTIONS = 47, 61, 12
+
+
+class Feet(NamedTuple):
+    """The heights of the feet above the ground, (..., 4), m; their velocities along it, (..., 4, 2), m/s; their forces on it, N."""
+
+    heights: jax.Array
+    velocities: jax.Array
+    forces: jax.Array
+
+
+class State(NamedTuple):
+    """The states of worlds."""
+
+    q: jax.Array
+    qd: jax.Array
+    qdd: jax.Array
+    feet: Feet
+    command: jax.Array
+    action: jax.Array
+    #: the part of the trot's period that has passed
+    phase: jax.Array
+    #: the control steps since the episode began
+    time: jax.Array
+
+
+class Worlds(NamedTuple):
+    """What differs between worlds and stays."""
+
+    settings: jax.Array
+    #: of the ground
+    friction: jax.Array
+    #: on the trunk: (..., 10), as `modyn.jax.parameters` has it
+    payload: jax.Array
+    #: of the actuators, in steps of the simulation
+    delay: jax.Array
+    #: the states from which episodes begin
+    starts: State
+
+
+class Observation(NamedTuple):
+    """What the actor knows; and the critic, which is only needed while the actor learns: no noise, and what robots do not measure."""
+
+    actor: jax.Array
+    critic: jax.Array
+
+
+class Transition(NamedTuple):
+    """What follows an action."""
+
+    #: the state, which is a new one where an episode has ended
+    state: State
+    #: the state in which the action ended, before an episode begins again
+    final: State
+    reward: jax.Array
+    #: the rewards by name, per second
+    rewards: dict
+    #: whether the episode ended by a fall, or by its time
+    fell: jax.Array
+    timed_out: jax.Array
+
+
+def square(x):
+    return (x * x).sum(-1)
+
+
+def down(q):
+    """Returns the direction of gravity in the axes of the trunk."""
+    x, y, z, w = jnp.moveaxis(q[..., 3:7], -1, 0)
+    return -jnp.stack([2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)], -1)
+
+
+class Walk:
+    """The task: to walk at a commanded velocity."""
+
+    def __init__(self, robot=ROBOT, scalar="f32", randomize=True):
+        with warnings.catch_warnings():
+            # The friction of the joints acts in steps only, as it should here.
+            warnings.simplefilter("ignore", modyn.DescriptionWarning)
+            self.robot = modyn.load(robot, scalar=scalar, payload=["trunk"])
+        self.dt, self.randomize = self.robot.time_step, randomize
+        self.stand = jnp.asarray(self.robot.keyframe("stand").q, self.robot.dtype)
+        self.motion = modyn.jax.rollout(self.robot, step="actuated")
+        self.actuate = modyn.jax.function(self.robot, "actuate")
+        self.poses = [modyn.jax.function(self.robot, "link_pose", foot) for foot in FEET]
+        self.velocities = [modyn.jax.function(self.robot, "link_velocity", foot) for foot in FEET]
+
+    def worlds(self, seed, count, starts=4096):
+        """Returns worlds that differ in friction, softness of the ground, load and delay, unless `randomize` is false."""
+        rng = np.random.default_rng(seed)
+        friction, payload = np.full(count, 0.7), np.zeros((count, 10))
+        solref, delay = np.tile([0.02, 1.0], (count, 1)), np.zeros(count, int)
+        if self.randomize:
+            friction, solref[:, 0] = rng.uniform(0.4, 1.0, count), rng.uniform(0.008, 0.03, count)
+            payload[:, :3] = rng.uniform([0, -0.03, -0.03], [0.4, 0.03, 0.03], (count, 3))
+            delay = rng.integers(0, 4, count)
+        settings = self.robot.step_settings()
+        surfaces = [replace(surface, friction=friction, solref=solref) for surface in settings.surfaces]
+        q = np.zeros((starts, 1)) + np.asarray(self.stand)
+        yaw = rng.uniform(-np.pi, np.pi, starts) / 2
+        q[:, 5], q[:, 6] = np.sin(yaw), np.cos(yaw)
+        q[:, 7:] += rng.uniform(-0.1, 0.1, (starts, 12))
+        array = lambda x: jnp.asarray(x, self.stand.dtype)
+        begins = jax.jit(self.start)(array(q), array(rng.uniform(-0.2, 0.2, (starts, 18))))
+        return Worlds(array(replace(settings, surfaces=surfaces)), array(friction), array(payload), jnp.asarray(delay), begins)
+
+    def start(self, q, qd):
+        """Returns states that begin at coordinates and velocities, with a command to stand."""
+        zeros = lambda *shape: jnp.zeros((len(q), *shape), q.dtype)
+        feet = self.feet(q, qd, zeros(4))
+        return State(q, qd, jnp.zeros_like(qd), feet, zeros(3), zeros(12), zeros(), jnp.zeros(len(q), int))
+
+    def feet(self, q, qd, forces):
+        heights = jnp.stack([pose(q).translation[..., 2] for pose in self.poses], -1) - 0.016
+        return Feet(heights, jnp.stack([velocity(q, qd)[..., :2] for velocity in self.velocities], -2), forces)
+
+    def reset(self, key, worlds):
+        """Returns the first states of episodes, one for each world."""
+        count = len(worlds.friction)
+        keys = jax.random.split(key, 3)
+        states = jax.tree.map(lambda x: x[jax.random.randint(keys[0], (count,), 0, len(worlds.starts.q))], worlds.starts)
+        phase = jax.random.uniform(keys[1], (count,))
+        return states._replace(command=self.command(keys[2], count), phase=phase)
+
+    def command(self, key, count):
+        """Returns velocity commands; one in ten is to stand."""
+        velocity, walks = jax.random.split(key)
+        low, high = jnp.asarray(COMMANDS, self.stand.dtype)
+        return jax.random.uniform(velocity, (count, 3), low.dtype, low, high) * (jax.random.uniform(walks, (count, 1)) > 0.1)
+
+    def advance(self, worlds, state, action):
+        """Returns the states after an action of CONTROL seconds, and the part of this time that each foot is on the ground."""
+        target = lambda action: self.stand[7:] + ACTION * action
+        acts = (jnp.arange(STEPS) >= worlds.delay[:, None])[..., None]
+        controls = jnp.where(acts, target(action)[:, None], target(state.action)[:, None])
+        own = {"settings": worlds.settings, "parameters": {"payload": {"trunk": worlds.payload}}}
+        motion = self.motion(state.q, state.qd, controls, self.dt, warm_start=state.qdd, **own)
+        q, qd, qdd = (x[:, -1] for x in (motion.q, motion.qd, motion.qdd))
+        forces = motion.forces[..., 2]
+        after = state._replace(
+            q=q, qd=qd, qdd=qdd, feet=self.feet(q, qd, forces[:, -1]), action=action,
+            phase=(state.phase + FREQUENCY * CONTROL) % 1, time=state.time + 1,
+        )
+        return after, (forces > 0).mean(1)
+
+    def observe(self, worlds, state, key=None):
+        """Returns the observations, that of the actor with noise if there is a key."""
+        clock = 2 * jnp.pi * state.phase[:, None]
+        measured = [state.qd[:, 3:6], down(state.q), state.q[:, 7:] - self.stand[7:], state.qd[:, 6:]]
+        known = [state.command, state.action, jnp.sin(clock), jnp.cos(clock)]
+        joined = lambda turn, down, angles, rates: jnp.concatenate([turn * 0.25, down, angles, rates * 0.05, *known], -1)
+        exact = noisy = joined(*measured)
+        if key is not None:
+            noise = jnp.concatenate([jnp.full(n, scale) for n, scale in ((3, 0.05), (3, 0.03), (12, 0.02), (12, 0.05), (17, 0.0))])
+            noisy = exact + noise * jax.random.uniform(key, exact.shape, minval=-1, maxval=1)
+        hidden = [
+            state.qd[:, :3], state.feet.forces > 0, state.feet.heights * 10, worlds.friction[:, None], worlds.payload[:, :1],
+            (state.q[:, 2:3] - HEIGHT) * 10,
+        ]
+        return Observation(noisy, jnp.concatenate([exact, *hidden], -1))
+
+    def rewards(self, before, state, touched):
+        """Returns the rewards of a control step by name."""
+        tracking = lambda error: 0.3 * jnp.exp(-error / 0.25) + 0.7 * jnp.exp(-error / 0.02)
+        leg = (before.phase[:, None] + FREQUENCY * CONTROL + TROT) % 1
+        swings = leg < 0.5
+        lifted = jnp.where(swings, LIFT * jnp.sin(2 * jnp.pi * leg) ** 2, 0.0)
+        torques = self.actuate(state.q, state.qd, self.stand[7:] + ACTION * state.action, self.dt).tau[..., 6:]
+        linear, angular, feet = state.qd[:, :3], state.qd[:, 3:6], state.feet
+        on_ground = feet.forces > 0
+        rewards = {
+            "tracking_lin_vel": tracking(square(linear[:, :2] - state.command[:, :2])),
+            "tracking_ang_vel": tracking(0.3 * (angular[:, 2] - state.command[:, 2]) ** 2),
+            "gait": jnp.where(swings, 1 - touched, touched).mean(-1),
+            "feet_clearance": jnp.where(swings, jnp.exp(-((feet.heights - lifted) ** 2) / 0.0005), 1.0).mean(-1),
+            "alive": jnp.ones(len(leg)),
+            "lin_vel_z": linear[:, 2] ** 2,
+            "ang_vel_xy": square(angular[:, :2]),
+            "orientation": square(down(state.q)[:, :2]),
+            "base_height": (state.q[:, 2] - HEIGHT) ** 2,
+            "torques": square(torques),
+            "action_rate": square(state.action - before.action),
+            "pose": square((state.q[:, 7:] - self.stand[7:]) * jnp.array([1.0, 0.3, 0.3] * 4)),
+            "feet_slip": (on_ground * square(feet.velocities)).sum(-1),
+        }
+        return {name: REWARDS[name] * value for name, value in rewards.items()}
+
+    def step(self, worlds, state, action, key):
+        """Returns what follows actions of one control step. Episodes that end begin again."""
+        count = len(action)
+        command, reset, push = jax.random.split(key, 3)
+        after, touched = self.advance(worlds, state, action)
+        rewards = self.rewards(state, after, touched)
+        broken = ~jnp.isfinite(after.q).all(-1) | (jnp.abs(after.qd[:, :6]) > 30).any(-1)
+        fell = (down(after.q)[:, 2] > -0.6) | (after.q[:, 2] < 0.12) | broken
+        reward = jnp.where(fell, -1.0, CONTROL * jnp.maximum(sum(rewards.values()), 0))
+        new_command = (after.time % COMMAND == 0)[:, None]
+        pushed = (after.time % PUSH == PUSH // 2)[:, None] if self.randomize else False
+        kick = jnp.where(pushed, jax.random.uniform(push, (count, 2), minval=-0.3, maxval=0.3), 0.0)
+        after = after._replace(
+            qd=after.qd.at[:, :2].add(kick), command=jnp.where(new_command, self.command(command, count), after.command)
+        )
+        timed_out = (after.time >= EPISODE) & ~fell
+        ended = fell | timed_out
+        choose = lambda new, old: jnp.where(ended.reshape(-1, *(1,) * (old.ndim - 1)), new, old)
+        states = jax.tree.map(choose, self.reset(reset, worlds), after)
+        return Transition(states, after, reward, rewards, fell, timed_out)

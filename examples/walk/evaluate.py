@@ -1,0 +1,103 @@
+"""Walks with a trained policy in MuJoCo, on the same file: whether the motion is that of modyn, and which velocities are reached.
+
+    python examples/walk/evaluate.py policy.npz --animation walk.html
+"""
+
+import argparse
+
+import jax
+import mujoco
+import numpy as np
+
+jax.config.update("jax_enable_x64", True)
+
+from environment import ACTION, CONTROL, FEET, FREQUENCY, ROBOT, STEPS, Walk  # noqa: E402
+from modyn.conventions import MuJoCo  # noqa: E402
+from train import load, output  # noqa: E402
+
+ASKED = [(0, 0, 0), (0.3, 0, 0), (0.6, 0, 0), (-0.4, 0, 0), (0, 0.25, 0), (0.3, 0, 0.6)]
+
+
+class Simulation:
+    """MuJoCo under the actions of the environment, with the file's friction and without loads, delays and pushes."""
+
+    def __init__(self, environment):
+        self.stand = np.asarray(environment.stand)
+        self.model = mujoco.MjModel.from_xml_path(str(ROBOT))
+        # The solution of the same problem as exactly as modyn's in double precision.
+        self.model.opt.tolerance, self.model.opt.ls_tolerance, self.model.opt.iterations = 1e-14, 1e-10, 100
+        self.data = mujoco.MjData(self.model)
+        self.theirs = MuJoCo(environment.robot, self.model)
+        self.feet = [self.model.geom(foot).id for foot in FEET]
+
+    def start(self, state):
+        mujoco.mj_resetData(self.model, self.data)
+        q, qd = np.asarray(state.q[0]), np.asarray(state.qd[0])
+        self.data.qpos[:], self.data.qvel[:] = self.theirs.to_qpos(q), self.theirs.to_qvel(q, qd)
+
+    def advance(self, state, action):
+        """Returns the state after an action, and which feet touched the ground in each step, (steps, 4)."""
+        self.data.ctrl[:] = self.stand[7:] + ACTION * np.asarray(action[0])
+        touching = []
+        for _ in range(STEPS):
+            mujoco.mj_step(self.model, self.data)
+            pairs = {int(geom) for geom in self.data.contact.geom.ravel()}
+            touching.append([foot in pairs for foot in self.feet])
+        q = self.theirs.from_qpos(self.data.qpos)
+        qd = self.theirs.from_qvel(q, self.data.qvel)
+        after = state._replace(q=q[None], qd=qd[None], action=action, phase=(state.phase + FREQUENCY * CONTROL) % 1)
+        return after, np.array(touching)
+
+
+def walk(act, state, advance, seconds):
+    """Returns the states after each action, and which feet touched the ground in each step."""
+    states, touching = [], []
+    for _ in range(round(seconds / CONTROL)):
+        state, touched = advance(state, act(state))
+        states.append(state)
+        touching.append(touched)
+    return states, np.concatenate(touching)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("policy")
+    parser.add_argument("--seconds", type=float, default=10.0)
+    parser.add_argument("--animation", help="write a page that shows the robot walk in MuJoCo at the first speed above 0.5 m/s")
+    given = parser.parse_args()
+    environment = Walk(scalar="f64", randomize=False)
+    worlds, actor = environment.worlds(0, 1), load(given.policy)
+    act = jax.jit(lambda state: output(actor, environment.observe(worlds, state).actor))
+    advance = jax.jit(lambda state, action: environment.advance(worlds, state, action))
+    simulation = Simulation(environment)
+
+    def first(command):
+        state = environment.start(environment.stand[None], np.zeros((1, environment.robot.nv)))
+        state = state._replace(command=np.array([command], float))
+        simulation.start(state)
+        return state
+
+    ours, _ = walk(act, first((0.5, 0, 0.3)), advance, 1.0)
+    theirs, _ = walk(act, first((0.5, 0, 0.3)), simulation.advance, 1.0)
+    error = max(float(abs(a.q - b.q).max()) for a, b in zip(ours, theirs))
+    way = float(np.linalg.norm(ours[-1].q[0, :2]))
+    print(f"the first second in MuJoCo and in modyn: {way:.2f} m of way, coordinates differ by at most {error:.1e}")
+    print("asked: forwards, left, turn | reached | deviation of the speed | height, m | contacts a second of each foot")
+    for command in ASKED:
+        states, touching = walk(act, first(command), simulation.advance, given.seconds)
+        steady = slice(len(states) // 3, None)
+        q, qd = (np.array([np.asarray(x[0]) for x in part])[steady] for part in ([s.q for s in states], [s.qd for s in states]))
+        reached = qd[:, [0, 1, 5]].mean(0)
+        deviation = np.linalg.norm(qd[:, :2] - command[:2], axis=1).mean()
+        began = (~touching[:-1] & touching[1:]).sum(0) / given.seconds
+        fell = " FELL" if q[:, 2].min() < 0.12 else ""
+        print(f"{command} | {reached.round(2)} | {deviation:.2f} m/s | {q[:, 2].mean():.3f} | {began.round(1)}{fell}", flush=True)
+        if given.animation and command[0] > 0.5:
+            times = CONTROL * np.arange(len(states))
+            page = environment.robot.animation(times, np.array([s.q[0] for s in states]))
+            with open(given.animation, "w") as file:
+                file.write(page)
+
+
+if __name__ == "__main__":
+    main()
