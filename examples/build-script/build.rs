@@ -10,7 +10,7 @@ fn main() -> Result<(), Diagnostics> {
     println!("cargo::rerun-if-changed=build.rs");
     println!("cargo::rerun-if-changed=reach.rs");
     // All that an optimal controller needs of a state, in one call that does the common work once.
-    let knot = FusedFunction::new("knot")
+    let stage = FusedFunction::new("stage")
         .function(Function::StepSemiImplicitDerivatives)
         .own_function("reach_cost_gradient");
     Builder::new()
@@ -20,7 +20,7 @@ fn main() -> Result<(), Diagnostics> {
         .functions([Function::InverseDynamics, Function::GravityTorques, Function::LinkPose])
         // A function of one's own, with its derivatives, for one state and for many.
         .function_batch("reach_cost", ReachCost { link: "tip" })
-        .fused([knot])
+        .fused([stage])
         .compile()?;
     Ok(())
 }

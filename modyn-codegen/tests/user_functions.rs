@@ -400,22 +400,22 @@ fn counts_are_as_frozen() {
 #[test]
 fn fused_functions_share_the_work_of_functions() {
     let builder = robot("arm7").type_name("Arm").function("reach", REACH);
-    let knot = FusedFunction::new("knot")
+    let stage = FusedFunction::new("stage")
         .own_function("reach_gradient")
         .function(Function::StepSemiImplicitDerivatives)
         .own_function("reach_hessian")
         .batch();
     let hand = FusedFunction::new("hand").of_link(Function::LinkPose, "hand").own_function("reach");
     let builder = builder.functions([Function::StepSemiImplicitDerivatives, Function::LinkPose]);
-    let builder = builder.fused([knot, hand]);
+    let builder = builder.fused([stage, hand]);
     let generated = builder.generate().expect("good");
     for line in [
-        "pub fn knot(q: &[f64; 7], qd: &[f64; 7], tau: &[f64; 7], dt: f64, target: &[f64; 3]) -> ArmKnot<f64> {",
-        "pub struct ArmKnot<T = f64> {",
+        "pub fn stage(q: &[f64; 7], qd: &[f64; 7], tau: &[f64; 7], dt: f64, target: &[f64; 3]) -> ArmStage<f64> {",
+        "pub struct ArmStage<T = f64> {",
         "    pub reach_gradient: ArmReachGradient<T>,",
         "    pub reach_hessian: ArmReachHessian<T>,",
-        "pub fn knot_batch(",
-        "/// - fused function `knot`, also for many states: `reach_gradient`, \
+        "pub fn stage_batch(",
+        "/// - fused function `stage`, also for many states: `reach_gradient`, \
          `step_semi_implicit_derivatives`, `reach_hessian`",
     ] {
         assert!(generated.text.contains(line), "{line}");
@@ -425,7 +425,7 @@ fn fused_functions_share_the_work_of_functions() {
         found.expect(name).1.total()
     };
     let members = ["reach_gradient", "reach_hessian", "step_semi_implicit_derivatives"];
-    assert_eq!((operations("knot"), members.map(operations)), (8656, [655, 4269, 4469]));
+    assert_eq!((operations("stage"), members.map(operations)), (8656, [655, 4269, 4469]));
     let members = ["link_pose", "reach"];
     assert_eq!((operations("hand"), members.map(operations)), (390, [134, 294]));
 }
@@ -433,12 +433,12 @@ fn fused_functions_share_the_work_of_functions() {
 #[test]
 fn fused_functions_with_an_error_are_refused() {
     let fused = |builder: Builder, name: &str| {
-        let knot = FusedFunction::new("knot").function(Function::ForwardDynamicsHessian);
-        refused(builder.fused([knot.own_function(name)]))
+        let stage = FusedFunction::new("stage").function(Function::ForwardDynamicsHessian);
+        refused(builder.fused([stage.own_function(name)]))
     };
     let found = fused(robot("arm7").function("reach", REACH), "reach_gradiant");
     assert!(
-        found.contains("fused function `knot`: there is no function `reach_gradiant` of yours"),
+        found.contains("fused function `stage`: there is no function `reach_gradiant` of yours"),
         "{found}"
     );
     assert!(found.contains("did you mean `reach_gradient`?"), "{found}");
@@ -451,9 +451,10 @@ fn fused_functions_with_an_error_are_refused() {
     let message = "`forward_dynamics_hessian` and `three_vjp` have different arguments `cotangent`";
     assert!(found.contains(message), "{found}");
     // A link that is not there is found beside an error of the function.
-    let knot = FusedFunction::new("knot").of_link(Function::LinkPose, "hnd").own_function("reach");
+    let stage =
+        FusedFunction::new("stage").of_link(Function::LinkPose, "hnd").own_function("reach");
     let found =
-        refused(robot("arm7").function("reach", Reach { link: "hnd", ..REACH }).fused([knot]));
-    assert!(found.contains("fused function `knot`: link `hnd` does not exist"), "{found}");
+        refused(robot("arm7").function("reach", Reach { link: "hnd", ..REACH }).fused([stage]));
+    assert!(found.contains("fused function `stage`: link `hnd` does not exist"), "{found}");
     assert!(found.contains("function `reach`: there is no link `hnd`"), "{found}");
 }

@@ -40,10 +40,11 @@ fn machine_code_gives_the_numbers_of_the_function() {
     for seed in 0..4 {
         let model = random::general_zoo(seed, 4);
         let n = model.nv();
-        let knot = FusedFunction::new("knot").own_function("terms_jacobian").own_function("terms");
-        let knot = knot.function(Function::ForwardDynamics);
+        let stage =
+            FusedFunction::new("stage").own_function("terms_jacobian").own_function("terms");
+        let stage = stage.function(Function::ForwardDynamics);
         let planning = Builder::new().model(model.clone()).functions([Function::ForwardDynamics]);
-        let planning = planning.fused([knot]).function("terms", Terms).plan().expect("good");
+        let planning = planning.fused([stage]).function("terms", Terms).plan().expect("good");
         let random::State { q, qd, tau, .. } = random::state(seed, &model);
         let target = [0.3, -0.4, 0.5];
         let mut robot = Interpreter::<f64>::new(model);
@@ -67,7 +68,7 @@ fn machine_code_gives_the_numbers_of_the_function() {
             let mut options = Options::default();
             (options.instruction_set, options.batches) = (Some(instruction_set), true);
             let compiled = Compiled::<f64>::from_plan(&planning, options).expect("code");
-            let names = ["knot", "terms", "terms_jvp", "terms_vjp", "terms_jacobian"];
+            let names = ["stage", "terms", "terms_jvp", "terms_vjp", "terms_jacobian"];
             assert!(compiled.fused_names().eq(names));
             let call = compiled.fused("terms").expect("compiled");
             let mut found = vec![f64::NAN; 2];
@@ -101,9 +102,9 @@ fn machine_code_gives_the_numbers_of_the_function() {
             let mut qdd = vec![f64::NAN; n];
             dynamics.one(&[&q, &qd, &tau], &mut qdd).expect("fits");
             expected.extend(qdd);
-            let knot = compiled.fused("knot").expect("compiled");
+            let stage = compiled.fused("stage").expect("compiled");
             let mut found = vec![f64::NAN; expected.len()];
-            knot.one(&[&q, &qd, &tau, &target], &mut found).expect("fits");
+            stage.one(&[&q, &qd, &tau, &target], &mut found).expect("fits");
             close(&found, &expected, 1e-9);
         }
     }

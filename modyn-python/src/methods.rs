@@ -451,6 +451,31 @@ impl Robot {
         self.call(py, 24, &[Some(q), Some(qd), Some(tau), Some(dt)], None, out)
     }
 
+    /// Returns a knot of optimal control: the velocities after a step of the time `dt` (s) by the
+    /// semi-implicit Euler method, and the derivatives of the step in blocks, by rows. The
+    /// derivatives of the velocities are with respect to `q` (in tangent space), `qd` and `tau`.
+    /// The coordinates after the step are `integrate` of `q` and v, with v = `dt` times these
+    /// velocities. Their derivatives with respect to `q` and v are 1, except for a 6 x 6 block at
+    /// each quaternion, such as the quaternion of a floating base. A spherical joint has the
+    /// angular part of its block.
+    ///
+    /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number.
+    /// Result: `Knot`: `qd` (nv,), `dqd_dq` (nv, nv), `dqd_dqd` (nv, nv), `dqd_dtau` (nv, nv),
+    /// `dq_dq` (quaternions, 6, 6), `dq_dv` (quaternions, 6, 6). Several states have one more axis,
+    /// the first.
+    #[pyo3(signature = (q, qd, tau, dt, *, out=None))]
+    fn knot<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        qd: &Bound<'py, PyAny>,
+        tau: &Bound<'py, PyAny>,
+        dt: &Bound<'py, PyAny>,
+        out: Argument<'_, 'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        self.call(py, 25, &[Some(q), Some(qd), Some(tau), Some(dt)], None, out)
+    }
+
     /// Returns the state after the time `dt` (s) by the semi-implicit Euler method, and the
     /// gradients and the Hessian of `state_cotangent`^T state: `grad_x` and `grad_tau` with respect
     /// to the state before and `tau`, and `hess_x_x`, `hess_x_tau` and `hess_tau_tau`. A state has
@@ -473,7 +498,7 @@ impl Robot {
         state_cotangent: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 25, &[Some(q), Some(qd), Some(tau), Some(dt), Some(state_cotangent)], None, out)
+        self.call(py, 26, &[Some(q), Some(qd), Some(tau), Some(dt), Some(state_cotangent)], None, out)
     }
 
     /// Returns the state after the time `dt` (s) under the constant joint forces `tau`, by a
@@ -492,7 +517,7 @@ impl Robot {
         dt: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 26, &[Some(q), Some(qd), Some(tau), Some(dt)], None, out)
+        self.call(py, 27, &[Some(q), Some(qd), Some(tau), Some(dt)], None, out)
     }
 
     /// Returns the state of `step_rk4`, and its derivatives: `a` with respect to the state before
@@ -512,7 +537,7 @@ impl Robot {
         dt: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 27, &[Some(q), Some(qd), Some(tau), Some(dt)], None, out)
+        self.call(py, 28, &[Some(q), Some(qd), Some(tau), Some(dt)], None, out)
     }
 
     /// Returns the state after the time `dt` (s) under the constant joint forces `tau`, by the
@@ -532,7 +557,7 @@ impl Robot {
         dt: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 28, &[Some(q), Some(qd), Some(tau), Some(dt)], None, out)
+        self.call(py, 29, &[Some(q), Some(qd), Some(tau), Some(dt)], None, out)
     }
 
     /// Returns the state of `step_implicit_midpoint`, and the derivatives of the implicit midpoint
@@ -552,7 +577,7 @@ impl Robot {
         dt: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 29, &[Some(q), Some(qd), Some(tau), Some(dt)], None, out)
+        self.call(py, 30, &[Some(q), Some(qd), Some(tau), Some(dt)], None, out)
     }
 
     /// Returns the joint accelerations under the joint forces `tau` with the loops closed and the
@@ -579,7 +604,7 @@ impl Robot {
         settings: Argument<'_, 'py>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 30, &[Some(q), Some(qd), Some(tau), active, settings], None, out)
+        self.call(py, 31, &[Some(q), Some(qd), Some(tau), active, settings], None, out)
     }
 
     /// Returns the displacement and the velocity of each loop constraint's second frame relative to
@@ -600,7 +625,7 @@ impl Robot {
         settings: Argument<'_, 'py>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 31, &[Some(q), Some(qd), settings], None, out)
+        self.call(py, 32, &[Some(q), Some(qd), settings], None, out)
     }
 
     /// Returns the smallest step (in the metric of the mass matrix) that closes the loops at `q`
@@ -623,7 +648,7 @@ impl Robot {
         settings: Argument<'_, 'py>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 32, &[Some(q), Some(qd), active, settings], None, out)
+        self.call(py, 33, &[Some(q), Some(qd), active, settings], None, out)
     }
 
     /// Returns the accelerations and the wrenches of `constrained_forward_dynamics`, and their
@@ -649,7 +674,34 @@ impl Robot {
         settings: Argument<'_, 'py>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 33, &[Some(q), Some(qd), Some(tau), active, settings], None, out)
+        self.call(py, 34, &[Some(q), Some(qd), Some(tau), active, settings], None, out)
+    }
+
+    /// Returns the results of `knot` under the accelerations of `constrained_forward_dynamics`, and
+    /// the wrenches of the constraints with their derivatives, which
+    /// `constrained_forward_dynamics_derivatives` describes.
+    ///
+    /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number; `active`: the names of the
+    /// active contacts, or (contacts,), 1 for each active one, else 0; by default all are;
+    /// `settings`: `ConstraintSettings`, by default with the ground at z = 0 under all contacts.
+    /// Result: `ConstrainedKnot`: `qd` (nv,), `wrenches` (constraints, 6), `dqd_dq` (nv, nv),
+    /// `dqd_dqd` (nv, nv), `dqd_dtau` (nv, nv), `dq_dq` (quaternions, 6, 6), `dq_dv` (quaternions,
+    /// 6, 6), `dwrenches_dq` (constraints, 6, nv), `dwrenches_dqd` (constraints, 6, nv),
+    /// `dwrenches_dtau` (constraints, 6, nv), `rank` a number, forces before moments. Several
+    /// states have one more axis, the first.
+    #[pyo3(signature = (q, qd, tau, dt, active=None, settings=None, *, out=None))]
+    fn constrained_knot<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        qd: &Bound<'py, PyAny>,
+        tau: &Bound<'py, PyAny>,
+        dt: &Bound<'py, PyAny>,
+        active: Argument<'_, 'py>,
+        settings: Argument<'_, 'py>,
+        out: Argument<'_, 'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        self.call(py, 35, &[Some(q), Some(qd), Some(tau), Some(dt), active, settings], None, out)
     }
 
     /// Returns the accelerations and the wrenches of `constrained_forward_dynamics`, and the
@@ -679,7 +731,7 @@ impl Robot {
         settings: Argument<'_, 'py>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 34, &[Some(q), Some(qd), Some(tau), Some(cotangent), Some(wrench_cotangent), active, settings], None, out)
+        self.call(py, 36, &[Some(q), Some(qd), Some(tau), Some(cotangent), Some(wrench_cotangent), active, settings], None, out)
     }
 
     /// Returns the velocities after an impact that closes the loops and stops the active contacts
@@ -702,7 +754,7 @@ impl Robot {
         settings: Argument<'_, 'py>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 35, &[Some(q), Some(qd), active, settings], None, out)
+        self.call(py, 37, &[Some(q), Some(qd), active, settings], None, out)
     }
 
     /// Returns the state after a step of the time `dt` (s) under the joint forces `tau`, with
@@ -729,7 +781,7 @@ impl Robot {
         settings: Argument<'_, 'py>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 36, &[Some(q), Some(qd), Some(tau), Some(dt), warm_start, settings], None, out)
+        self.call(py, 38, &[Some(q), Some(qd), Some(tau), Some(dt), warm_start, settings], None, out)
     }
 
     /// Returns the results of `step`, and the derivatives of the state after it: `a` with respect
@@ -755,7 +807,7 @@ impl Robot {
         settings: Argument<'_, 'py>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 37, &[Some(q), Some(qd), Some(tau), Some(dt), warm_start, settings], None, out)
+        self.call(py, 39, &[Some(q), Some(qd), Some(tau), Some(dt), warm_start, settings], None, out)
     }
 
     /// Returns the results of `step`, and the gradients of `state_cotangent`^T state after it:
@@ -781,7 +833,7 @@ impl Robot {
         settings: Argument<'_, 'py>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 38, &[Some(q), Some(qd), Some(tau), Some(dt), Some(state_cotangent), warm_start, settings], None, out)
+        self.call(py, 40, &[Some(q), Some(qd), Some(tau), Some(dt), Some(state_cotangent), warm_start, settings], None, out)
     }
 
     /// Returns the results of `step`, and the change `tangent_x` of the state after it under the
@@ -810,7 +862,7 @@ impl Robot {
         settings: Argument<'_, 'py>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 39, &[Some(q), Some(qd), Some(tau), Some(tangent_q), Some(tangent_qd), Some(tangent_tau), Some(dt), warm_start, settings], None, out)
+        self.call(py, 41, &[Some(q), Some(qd), Some(tau), Some(tangent_q), Some(tangent_qd), Some(tangent_tau), Some(dt), warm_start, settings], None, out)
     }
 
     /// Returns the joint forces `tau` of the actuators under the controls `ctrl`, in the order of
@@ -833,7 +885,7 @@ impl Robot {
         act: Argument<'_, 'py>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 40, &[Some(q), Some(qd), Some(ctrl), Some(dt), act], None, out)
+        self.call(py, 42, &[Some(q), Some(qd), Some(ctrl), Some(dt), act], None, out)
     }
 
     /// Returns the state and the activations after a step of the time `dt` (s) under the controls
@@ -862,7 +914,7 @@ impl Robot {
         settings: Argument<'_, 'py>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 41, &[Some(q), Some(qd), Some(ctrl), Some(dt), act, applied, warm_start, settings], None, out)
+        self.call(py, 43, &[Some(q), Some(qd), Some(ctrl), Some(dt), act, applied, warm_start, settings], None, out)
     }
 
     /// Returns the results of `step_actuated`, and the derivatives of the state after it: `a` with
@@ -891,7 +943,7 @@ impl Robot {
         settings: Argument<'_, 'py>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 42, &[Some(q), Some(qd), Some(ctrl), Some(dt), act, applied, warm_start, settings], None, out)
+        self.call(py, 44, &[Some(q), Some(qd), Some(ctrl), Some(dt), act, applied, warm_start, settings], None, out)
     }
 
     /// Returns the results of `step_actuated`, and the gradients of `state_cotangent`^T state +
@@ -923,7 +975,7 @@ impl Robot {
         settings: Argument<'_, 'py>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 43, &[Some(q), Some(qd), Some(ctrl), Some(dt), Some(state_cotangent), act, act_cotangent, applied, warm_start, settings], None, out)
+        self.call(py, 45, &[Some(q), Some(qd), Some(ctrl), Some(dt), Some(state_cotangent), act, act_cotangent, applied, warm_start, settings], None, out)
     }
 
     /// Returns the results of `step_actuated`, and the change `tangent_x` of the state after it
@@ -957,7 +1009,7 @@ impl Robot {
         settings: Argument<'_, 'py>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 44, &[Some(q), Some(qd), Some(tangent_q), Some(tangent_qd), Some(ctrl), Some(tangent_ctrl), Some(dt), act, tangent_act, applied, warm_start, settings], None, out)
+        self.call(py, 46, &[Some(q), Some(qd), Some(tangent_q), Some(tangent_qd), Some(ctrl), Some(tangent_ctrl), Some(dt), act, tangent_act, applied, warm_start, settings], None, out)
     }
 
     /// Returns the joint forces of the accelerations `qdd`, the wrenches of the active contacts
@@ -982,7 +1034,7 @@ impl Robot {
         settings: Argument<'_, 'py>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 45, &[Some(q), Some(qd), Some(qdd), active, settings], None, out)
+        self.call(py, 47, &[Some(q), Some(qd), Some(qdd), active, settings], None, out)
     }
 
     /// Returns the Jacobian of each constraint. The product with `qd` is, for a loop constraint,
@@ -1000,7 +1052,7 @@ impl Robot {
         q: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 46, &[Some(q)], None, out)
+        self.call(py, 48, &[Some(q)], None, out)
     }
 
     /// Returns the bias acceleration of each constraint: the time derivative of
@@ -1017,7 +1069,7 @@ impl Robot {
         qd: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 47, &[Some(q), Some(qd)], None, out)
+        self.call(py, 49, &[Some(q), Some(qd)], None, out)
     }
 
     /// Returns the Delassus matrix J M^-1 J^T of the constraints with the mass matrix M, its
@@ -1041,7 +1093,7 @@ impl Robot {
         settings: Argument<'_, 'py>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 48, &[Some(q), active, settings], None, out)
+        self.call(py, 50, &[Some(q), active, settings], None, out)
     }
 
     /// Returns the regressor Y of inverse dynamics: tau = Y pi, without armatures and friction. pi
@@ -1059,7 +1111,7 @@ impl Robot {
         qdd: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 49, &[Some(q), Some(qd), Some(qdd)], None, out)
+        self.call(py, 51, &[Some(q), Some(qd), Some(qdd)], None, out)
     }
 
     /// Returns the centre of mass of the moving links in world axes, m.
@@ -1073,7 +1125,7 @@ impl Robot {
         q: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 50, &[Some(q)], None, out)
+        self.call(py, 52, &[Some(q)], None, out)
     }
 
     /// Returns the Jacobian of the centre of mass. Its product with `qd` is the velocity of the
@@ -1088,7 +1140,7 @@ impl Robot {
         q: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 51, &[Some(q)], None, out)
+        self.call(py, 53, &[Some(q)], None, out)
     }
 
     /// Returns the centroidal momentum matrix. Its product with `qd` is the momentum about the
@@ -1105,7 +1157,7 @@ impl Robot {
         q: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 52, &[Some(q)], None, out)
+        self.call(py, 54, &[Some(q)], None, out)
     }
 
     /// Returns the centroidal composite inertia. Its product with a twist is the momentum about the
@@ -1122,7 +1174,7 @@ impl Robot {
         q: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 53, &[Some(q)], None, out)
+        self.call(py, 55, &[Some(q)], None, out)
     }
 
     /// Returns the momentum of the moving links about their centre of mass, in world axes.
@@ -1139,7 +1191,7 @@ impl Robot {
         qd: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 54, &[Some(q), Some(qd)], None, out)
+        self.call(py, 56, &[Some(q), Some(qd)], None, out)
     }
 
     /// Returns the time derivative of the centroidal momentum in world axes: the moment (N m) and
@@ -1158,7 +1210,7 @@ impl Robot {
         qdd: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 55, &[Some(q), Some(qd), Some(qdd)], None, out)
+        self.call(py, 57, &[Some(q), Some(qd), Some(qdd)], None, out)
     }
 
     /// Returns the momentum of the moving links about their centre of mass, its time derivative at
@@ -1179,7 +1231,7 @@ impl Robot {
         qdd: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 56, &[Some(q), Some(qd), Some(qdd)], None, out)
+        self.call(py, 58, &[Some(q), Some(qd), Some(qdd)], None, out)
     }
 
     /// Returns the poses in the world of all links of the description, fixed links included, in the
@@ -1195,7 +1247,7 @@ impl Robot {
         q: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 57, &[Some(q)], None, out)
+        self.call(py, 59, &[Some(q)], None, out)
     }
 
     /// Returns the pose of a link in the world. Computes the link's kinematic path only.
@@ -1211,7 +1263,7 @@ impl Robot {
         link: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 58, &[Some(q)], Some(link), out)
+        self.call(py, 60, &[Some(q)], Some(link), out)
     }
 
     /// Returns the velocity of a link's origin (m/s) and its angular velocity (rad/s), in world
@@ -1230,7 +1282,7 @@ impl Robot {
         link: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 59, &[Some(q), Some(qd)], Some(link), out)
+        self.call(py, 61, &[Some(q), Some(qd)], Some(link), out)
     }
 
     /// Returns the velocity of a link's origin (m/s) and its angular velocity (rad/s), in the
@@ -1249,7 +1301,7 @@ impl Robot {
         link: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 60, &[Some(q), Some(qd)], Some(link), out)
+        self.call(py, 62, &[Some(q), Some(qd)], Some(link), out)
     }
 
     /// Returns the classical acceleration of a link's origin (m/s^2) and its angular acceleration
@@ -1269,7 +1321,7 @@ impl Robot {
         link: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 61, &[Some(q), Some(qd), Some(qdd)], Some(link), out)
+        self.call(py, 63, &[Some(q), Some(qd), Some(qdd)], Some(link), out)
     }
 
     /// Returns the classical acceleration of a link's origin (m/s^2) and its angular acceleration
@@ -1290,7 +1342,7 @@ impl Robot {
         link: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 62, &[Some(q), Some(qd), Some(qdd)], Some(link), out)
+        self.call(py, 64, &[Some(q), Some(qd), Some(qdd)], Some(link), out)
     }
 
     /// Returns the Jacobian of a link. Its product with `qd` is the velocity of the link at its
@@ -1307,7 +1359,7 @@ impl Robot {
         link: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 63, &[Some(q)], Some(link), out)
+        self.call(py, 65, &[Some(q)], Some(link), out)
     }
 
     /// Returns the Jacobian of a link. Its product with `qd` is the velocity of the link at its
@@ -1324,7 +1376,7 @@ impl Robot {
         link: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 64, &[Some(q)], Some(link), out)
+        self.call(py, 66, &[Some(q)], Some(link), out)
     }
 
     /// Returns the time derivative of `jacobian`. Its product with `qd` is `jacobian_dot_qd`.
@@ -1343,7 +1395,7 @@ impl Robot {
         link: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 65, &[Some(q), Some(qd)], Some(link), out)
+        self.call(py, 67, &[Some(q), Some(qd)], Some(link), out)
     }
 
     /// Returns the time derivative of `jacobian_local`. Its product with `qd` is
@@ -1362,7 +1414,7 @@ impl Robot {
         link: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 66, &[Some(q), Some(qd)], Some(link), out)
+        self.call(py, 68, &[Some(q), Some(qd)], Some(link), out)
     }
 
     /// Returns the bias acceleration of a link in world axes: the time derivative of `jacobian`
@@ -1382,7 +1434,7 @@ impl Robot {
         link: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 67, &[Some(q), Some(qd)], Some(link), out)
+        self.call(py, 69, &[Some(q), Some(qd)], Some(link), out)
     }
 
     /// Returns the bias acceleration of a link in its own axes: the time derivative of
@@ -1401,7 +1453,7 @@ impl Robot {
         link: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 68, &[Some(q), Some(qd)], Some(link), out)
+        self.call(py, 70, &[Some(q), Some(qd)], Some(link), out)
     }
 
     /// Returns the coordinates after the displacement `v` (a velocity times a time) from `q`.
@@ -1416,7 +1468,7 @@ impl Robot {
         v: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 69, &[Some(q), Some(v)], None, out)
+        self.call(py, 71, &[Some(q), Some(v)], None, out)
     }
 
     /// Returns the displacement `v` with which `integrate` leads from `from_` to `to`. Rotations
@@ -1432,7 +1484,7 @@ impl Robot {
         to: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 70, &[Some(from_), Some(to)], None, out)
+        self.call(py, 72, &[Some(from_), Some(to)], None, out)
     }
 
     /// Returns the derivatives of `integrate` with respect to `q` and `v` in tangent space:
@@ -1449,7 +1501,7 @@ impl Robot {
         v: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 71, &[Some(q), Some(v)], None, out)
+        self.call(py, 73, &[Some(q), Some(v)], None, out)
     }
 
     /// Returns the derivatives of `difference` with respect to `from_` and `to` in tangent space:
@@ -1466,7 +1518,7 @@ impl Robot {
         to: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 72, &[Some(from_), Some(to)], None, out)
+        self.call(py, 74, &[Some(from_), Some(to)], None, out)
     }
 
     /// Returns dq/dt, the rates of the coordinates `q` at the velocities `qd`.
@@ -1481,7 +1533,7 @@ impl Robot {
         qd: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 73, &[Some(q), Some(qd)], None, out)
+        self.call(py, 75, &[Some(q), Some(qd)], None, out)
     }
 
     /// Returns the coordinates with quaternions scaled to length 1.
@@ -1495,7 +1547,7 @@ impl Robot {
         q: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 74, &[Some(q)], None, out)
+        self.call(py, 76, &[Some(q)], None, out)
     }
 
     /// Returns coordinates within the joint limits, from random numbers uniformly distributed in
@@ -1511,7 +1563,7 @@ impl Robot {
         uniforms: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 75, &[Some(uniforms)], None, out)
+        self.call(py, 77, &[Some(uniforms)], None, out)
     }
     // <!-- end -->
 }

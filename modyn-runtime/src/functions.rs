@@ -161,6 +161,8 @@ traits! {
     StepSemiImplicit "`{Self}` has no function `step_semi_implicit`";
     /// Robots that have `step_semi_implicit_derivatives`.
     StepSemiImplicitDerivatives "`{Self}` has no function `step_semi_implicit_derivatives`";
+    /// Robots that have `knot`.
+    Knot "`{Self}` has no function `knot`";
     /// Robots that have `step_semi_implicit_hessian`.
     StepSemiImplicitHessian "`{Self}` has no function `step_semi_implicit_hessian`";
     /// Robots that have `step_rk4`.
@@ -228,6 +230,8 @@ traits! {
     InverseDynamicsHessianBatch "`{Self}` has no function `inverse_dynamics_hessian_batch`";
     /// Robots that have `forward_dynamics_hessian_batch`.
     ForwardDynamicsHessianBatch "`{Self}` has no function `forward_dynamics_hessian_batch`";
+    /// Robots that have `knot_batch`.
+    KnotBatch "`{Self}` has no function `knot_batch`";
     // <!-- end -->
 }
 
@@ -244,6 +248,8 @@ traits! {
     /// Robots that have `constrained_forward_dynamics_derivatives`.
     ConstrainedForwardDynamicsDerivatives
         "`{Self}` has no function `constrained_forward_dynamics_derivatives`";
+    /// Robots that have `constrained_knot`.
+    ConstrainedKnot "`{Self}` has no function `constrained_knot`";
     /// Robots that have `constrained_forward_dynamics_hessian`.
     ConstrainedForwardDynamicsHessian
         "`{Self}` has no function `constrained_forward_dynamics_hessian`";
@@ -267,6 +273,8 @@ traits! {
     /// Robots that have `constrained_forward_dynamics_derivatives_batch`.
     ConstrainedForwardDynamicsDerivativesBatch
         "`{Self}` has no function `constrained_forward_dynamics_derivatives_batch`";
+    /// Robots that have `constrained_knot_batch`.
+    ConstrainedKnotBatch "`{Self}` has no function `constrained_knot_batch`";
     /// Robots that have `impact_dynamics_batch`.
     ImpactDynamicsBatch "`{Self}` has no function `impact_dynamics_batch`";
     /// Robots that have `constrained_inverse_dynamics_batch`.
@@ -301,13 +309,13 @@ all_of! {
     InverseDynamicsExternalLocal InverseDynamicsExternal GeneralizedForcesLocal GeneralizedForces
     InverseDynamicsDerivatives ForwardDynamicsDerivatives InverseDynamicsVjp InverseDynamicsJvp
     ForwardDynamicsVjp ForwardDynamicsJvp InverseDynamicsHessian ForwardDynamicsHessian
-    StepSemiImplicit StepSemiImplicitDerivatives StepSemiImplicitHessian StepRk4 StepRk4Derivatives
-    StepImplicitMidpoint StepImplicitMidpointDerivatives Step StepDerivatives StepVjp StepJvp
-    Regressor CenterOfMassJacobian CentroidalMomentumMatrix CentroidalCompositeInertia
-    CentroidalMomentum CentroidalMomentumRate CentroidalMomentumDerivatives LinkVelocity
-    LinkVelocityLocal LinkAcceleration LinkAccelerationLocal JacobianLocal JacobianTimeDerivative
-    JacobianTimeDerivativeLocal JacobianDotQd JacobianDotQdLocal IntegrateDerivatives
-    DifferenceDerivatives
+    StepSemiImplicit StepSemiImplicitDerivatives Knot StepSemiImplicitHessian StepRk4
+    StepRk4Derivatives StepImplicitMidpoint StepImplicitMidpointDerivatives Step StepDerivatives
+    StepVjp StepJvp Regressor CenterOfMassJacobian CentroidalMomentumMatrix
+    CentroidalCompositeInertia CentroidalMomentum CentroidalMomentumRate
+    CentroidalMomentumDerivatives LinkVelocity LinkVelocityLocal LinkAcceleration
+    LinkAccelerationLocal JacobianLocal JacobianTimeDerivative JacobianTimeDerivativeLocal
+    JacobianDotQd JacobianDotQdLocal IntegrateDerivatives DifferenceDerivatives
     // <!-- end -->
 }
 
@@ -327,6 +335,7 @@ all_of! {
     ForwardDynamicsBatch InverseDynamicsBatch BiasForcesBatch GravityTorquesBatch MassMatrixBatch
     BrgeBatch KineticEnergyBatch PotentialEnergyBatch InverseDynamicsDerivativesBatch
     ForwardDynamicsDerivativesBatch InverseDynamicsHessianBatch ForwardDynamicsHessianBatch
+    KnotBatch
     // <!-- end -->
 }
 
@@ -335,8 +344,9 @@ all_of! {
     ConstraintBatches "`{Self}` lacks a function of closed loops and contacts for many states":
     // <!-- data: functions-of-constraints-for-many-states -->
     ConstrainedForwardDynamicsBatch ConstraintResidualBatch ProjectConstraintsBatch
-    ConstrainedForwardDynamicsDerivativesBatch ImpactDynamicsBatch ConstrainedInverseDynamicsBatch
-    ConstraintJacobianBatch ConstraintJacobianDotQdBatch OperationalSpaceInertiaBatch
+    ConstrainedForwardDynamicsDerivativesBatch ConstrainedKnotBatch ImpactDynamicsBatch
+    ConstrainedInverseDynamicsBatch ConstraintJacobianBatch ConstraintJacobianDotQdBatch
+    OperationalSpaceInertiaBatch
     // <!-- end -->
 }
 

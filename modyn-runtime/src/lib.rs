@@ -69,10 +69,10 @@ pub use ::num_dual;
 pub use equations::Forces;
 #[cfg(feature = "alloc")]
 pub use interpreter::{
-    ActuatorOutputs, ConstrainedDerivatives, ConstrainedHessianOutputs, DecompositionError,
-    ForwardDerivatives, FrameError, HessianOutputs, InertialError, Interpreter, ModuleMismatch,
-    ShapeError, StateChange, StateDerivatives, StateGradients, StepHessianOutputs, StepOutputs,
-    StepSolutionOutputs, UduFactorization, UpdateError,
+    ActuatorOutputs, ConstrainedDerivatives, ConstrainedHessianOutputs, ConstrainedKnotOutputs,
+    DecompositionError, ForwardDerivatives, FrameError, HessianOutputs, InertialError, Interpreter,
+    KnotOutputs, ModuleMismatch, ShapeError, StateChange, StateDerivatives, StateGradients,
+    StepHessianOutputs, StepOutputs, StepSolutionOutputs, UduFactorization, UpdateError,
 };
 
 #[cfg(feature = "nalgebra")]
@@ -88,12 +88,12 @@ pub use parameters::ParameterError;
 pub use results::{
     ActuatedStep, ActuatedStepJvp, ActuatedStepVjp, ActuatorForces, CentroidalMomentumDerivatives,
     ConstrainedForwardDynamics, ConstrainedForwardDynamicsDerivatives,
-    ConstrainedForwardDynamicsHessian, ConstrainedInverseDynamics, ConstraintProjection,
-    ConstraintResidual, DifferenceDerivatives, ForwardDynamicsDerivatives, ForwardDynamicsHessian,
-    ForwardDynamicsJvp, ForwardDynamicsVjp, GeneralizedForces, ImpactDynamics,
-    IntegrateDerivatives, InverseDynamicsDerivatives, InverseDynamicsHessian, InverseDynamicsJvp,
-    InverseDynamicsVjp, LinearizedActuatedStep, LinearizedStep, OperationalSpaceInertia, Step,
-    StepDerivatives, StepHessian, StepJvp, StepSolution, StepVjp,
+    ConstrainedForwardDynamicsHessian, ConstrainedInverseDynamics, ConstrainedKnot,
+    ConstraintProjection, ConstraintResidual, DifferenceDerivatives, ForwardDynamicsDerivatives,
+    ForwardDynamicsHessian, ForwardDynamicsJvp, ForwardDynamicsVjp, GeneralizedForces,
+    ImpactDynamics, IntegrateDerivatives, InverseDynamicsDerivatives, InverseDynamicsHessian,
+    InverseDynamicsJvp, InverseDynamicsVjp, Knot, LinearizedActuatedStep, LinearizedStep,
+    OperationalSpaceInertia, Step, StepDerivatives, StepHessian, StepJvp, StepSolution, StepVjp,
 };
 #[cfg(feature = "alloc")]
 pub use robot::EmbeddedModel;

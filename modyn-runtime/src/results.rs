@@ -192,6 +192,61 @@ pub struct StepDerivatives<Q, V, A, B> {
     pub b: B,
 }
 
+/// A knot of optimal control: the velocities after a semi-implicit step, and the derivatives of the
+/// step in blocks.
+///
+/// Matrices are arrays of rows. The coordinates after the step are `integrate` of q and v, with
+/// v = dt times [`qd`](Self::qd). Outside of the blocks, their derivatives are 1 on the diagonal
+/// and 0 elsewhere.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Knot<V, M, B> {
+    /// The velocities after the step, rad/s or m/s.
+    pub qd: V,
+    /// Their derivatives with respect to q before the step, in tangent space.
+    pub dqd_dq: M,
+    /// Their derivatives with respect to qd before the step.
+    pub dqd_dqd: M,
+    /// Their derivatives with respect to tau: a symmetric matrix.
+    pub dqd_dtau: M,
+    /// For each quaternion, the 6 x 6 derivatives of the coordinates after the step with respect to
+    /// q before it, in tangent space. A spherical joint has rows and columns 3 to 5.
+    pub dq_dq: B,
+    /// For each quaternion, the 6 x 6 derivatives of the coordinates after the step with respect to
+    /// v.
+    pub dq_dv: B,
+}
+
+/// A knot of optimal control of a robot with closed loops or contacts. See [`Knot`] and
+/// [`ConstrainedForwardDynamicsDerivatives`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ConstrainedKnot<V, W, M, B, D, T> {
+    /// The velocities after the step, rad/s or m/s.
+    pub qd: V,
+    /// The wrench on each constraint's link, N m and N.
+    pub wrenches: W,
+    /// The derivatives of the velocities with respect to q before the step, in tangent space, by
+    /// rows.
+    pub dqd_dq: M,
+    /// Their derivatives with respect to qd before the step.
+    pub dqd_dqd: M,
+    /// Their derivatives with respect to tau: a symmetric matrix.
+    pub dqd_dtau: M,
+    /// For each quaternion, the 6 x 6 derivatives of the coordinates after the step with respect to
+    /// q before it, in tangent space, by rows.
+    pub dq_dq: B,
+    /// For each quaternion, the 6 x 6 derivatives of the coordinates after the step with respect to
+    /// v.
+    pub dq_dv: B,
+    /// d wrench / d q of each constraint, in tangent space: an array of columns.
+    pub dwrenches_dq: D,
+    /// d wrench / d qd of each constraint.
+    pub dwrenches_dqd: D,
+    /// d wrench / d tau of each constraint.
+    pub dwrenches_dtau: D,
+    /// The number of independent constraint rows, an integer.
+    pub rank: T,
+}
+
 /// The state after a time step, and the gradients and the Hessian of state_cotangent^T state, in
 /// tangent space.
 ///

@@ -256,6 +256,7 @@ macro_rules! row_results {
             other ForwardDynamicsHessian forward_dynamics_hessian [forward_dynamics_hessian_with] [q qd tau cotangent] [];
             other StepSemiImplicit step_semi_implicit [step_semi_implicit_with] [q qd tau dt] [];
             other StepSemiImplicitDerivatives step_semi_implicit_derivatives [step_semi_implicit_derivatives_with] [q qd tau dt] [];
+            other Knot knot [knot_with] [q qd tau dt] [];
             other StepSemiImplicitHessian step_semi_implicit_hessian [step_semi_implicit_hessian_with] [q qd tau dt state_cotangent] [];
             other StepRk4 step_rk4 [step_rk4_with] [q qd tau dt] [];
             other StepRk4Derivatives step_rk4_derivatives [step_rk4_derivatives_with] [q qd tau dt] [];

@@ -21,6 +21,7 @@ mod identities;
 mod implicit_midpoint;
 mod instructions;
 mod kinematics;
+mod knots;
 mod large;
 mod loop_derivatives;
 mod model;

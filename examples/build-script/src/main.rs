@@ -68,12 +68,12 @@ fn derivatives_of_the_cost_are_those_of_its_differences() {
 #[test]
 fn a_knot_has_the_step_and_the_cost() {
     let (q, qd, target) = ([0.7, -1.1], [0.4, 0.9], [0.2, -0.1, 0.4]);
-    let knot: PendulumKnot = Pendulum::knot(&q, &qd, &[0.3, -0.2], 0.01, &target, 0.3);
-    let step = knot.step_semi_implicit_derivatives;
+    let stage: PendulumStage = Pendulum::stage(&q, &qd, &[0.3, -0.2], 0.01, &target, 0.3);
+    let step = stage.step_semi_implicit_derivatives;
     let expected = Pendulum::reach_cost_gradient(&q, &qd, &target, 0.3);
-    assert!((knot.reach_cost_gradient.value - expected.value).abs() < 1e-12);
+    assert!((stage.reach_cost_gradient.value - expected.value).abs() < 1e-12);
     assert!(
-        (0..2).all(|k| (knot.reach_cost_gradient.grad_q[k] - expected.grad_q[k]).abs() < 1e-12)
+        (0..2).all(|k| (stage.reach_cost_gradient.grad_q[k] - expected.grad_q[k]).abs() < 1e-12)
     );
     // The step moves the joints by their velocities after it.
     assert!((0..2).all(|k| (step.q[k] - q[k] - 0.01 * step.qd[k]).abs() < 1e-12));

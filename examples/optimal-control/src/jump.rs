@@ -1,8 +1,8 @@
 //! A floating quadruped jumps: a problem for [`ilqr`](crate::ilqr) with contacts that are active in the first steps.
 //!
-//! While the feet stand, the step of semi-implicit Euler is made of the accelerations under contacts, and A and B of
-//! their derivatives. In the air the generated step is used. The sequence of contacts is given, the forces are not: a
-//! residual keeps each foot's force within its friction cone, with the derivatives of the forces.
+//! The derivatives of a step of semi-implicit Euler come from a knot: with contacts while the feet stand, without them in
+//! the air. The sequence of contacts is given, the forces are not: a residual keeps each foot's force within its friction
+//! cone, with the derivatives of the forces.
 
 use core::ops::Range;
 
@@ -138,44 +138,23 @@ impl Problem for Jump {
             by_state[(ROWS[2].start + i, NV + 6 + i)] = SPEED;
         }
         if k >= self.standing {
-            let found = Quadruped::step_semi_implicit_derivatives(&x.q, &x.qd, &tau, dt);
-            let (a, b) = (matrix(&found.a), matrix(&found.b[6..]));
-            return LinearStep {
-                a,
-                b,
-                residuals: Self::residuals(x, u, &NO_FORCES),
-                by_state,
-                by_input,
-            };
+            let knot = Quadruped::knot(&x.q, &x.qd, &tau, dt);
+            let [a, b] = state_matrices(&knot, dt);
+            let residuals = Self::residuals(x, u, &NO_FORCES);
+            return LinearStep { a, b, residuals, by_state, by_input };
         }
 
-        let found = Quadruped::constrained_forward_dynamics_derivatives(
+        let found = Quadruped::constrained_knot(
             &x.q,
             &x.qd,
             &tau,
+            dt,
             QuadrupedContacts::ALL,
             &Settings::DEFAULT,
         );
-        // The velocities: qd' = qd + dt qdd.
-        let mut a = DMatrix::zeros(2 * NV, 2 * NV);
-        let mut velocities = DMatrix::zeros(NV, 2 * NV);
-        velocities.columns_mut(0, NV).copy_from(&(matrix(&found.dqdd_dq) * dt));
-        velocities
-            .columns_mut(NV, NV)
-            .copy_from(&(matrix(&found.dqdd_dqd) * dt + DMatrix::identity(NV, NV)));
-        let velocities_by_input = matrix(&found.dqdd_dtau[6..]) * dt;
-        // The coordinates: q' is q moved by dt qd'.
-        let displacement = core::array::from_fn(|i| dt * (x.qd[i] + dt * found.qdd[i]));
-        let moved = Quadruped::integrate_derivatives(&x.q, &displacement);
-        let by_velocity = matrix(&moved.dq_dv) * dt;
-        a.rows_mut(0, NV).copy_from(&(&by_velocity * &velocities));
-        let mut own = a.view_mut((0, 0), (NV, NV));
-        own += matrix(&moved.dq_dq);
-        a.rows_mut(NV, NV).copy_from(&velocities);
-        let mut b = DMatrix::zeros(2 * NV, MOTORS);
-        b.rows_mut(0, NV).copy_from(&(by_velocity * &velocities_by_input));
-        b.rows_mut(NV, NV).copy_from(&velocities_by_input);
-
+        let modyn::ConstrainedKnot { qd, dqd_dq, dqd_dqd, dqd_dtau, dq_dq, dq_dv, .. } = found;
+        let knot = modyn::Knot { qd, dqd_dq, dqd_dqd, dqd_dtau, dq_dq, dq_dv };
+        let [a, b] = state_matrices(&knot, dt);
         let residuals = Self::residuals(x, u, &found.wrenches.map(|wrench| wrench.force.0));
         for foot in 0..4 {
             for (face, normal) in FACES.iter().enumerate() {
@@ -208,6 +187,32 @@ impl Problem for Jump {
         derivative.view_mut((0, 0), (NV, NV)).copy_from(&matrix(&by_coordinates));
         DMatrix::from_diagonal(&end_factors()) * derivative
     }
+}
+
+/// A knot of the quadruped: its base has one quaternion.
+type Knot = modyn::Knot<[f64; NV], [[f64; NV]; NV], [[[f64; 6]; 6]; 1]>;
+
+/// Returns A and B of a step with this knot. The displacement of q after the step is J_q times the displacement before it,
+/// plus dt J_v times the change of the velocities. J_q and J_v differ from 1 at the base only.
+fn state_matrices(knot: &Knot, dt: f64) -> [DMatrix<f64>; 2] {
+    let velocities = DMatrix::from_fn(NV, 2 * NV + MOTORS, |i, j| match j {
+        0..NV => knot.dqd_dq[i][j],
+        _ if j < 2 * NV => knot.dqd_dqd[i][j - NV],
+        _ => knot.dqd_dtau[i][6 + j - 2 * NV],
+    });
+    let mut coordinates = &velocities * dt;
+    let [[j_q], [j_v]] = [knot.dq_dq, knot.dq_dv];
+    let base = DMatrix::from_fn(6, 6, |i, j| j_v[i][j]) * coordinates.rows(0, 6);
+    coordinates.rows_mut(0, 6).copy_from(&base);
+    for i in 0..6 {
+        (0..6).for_each(|j| coordinates[(i, j)] += j_q[i][j]);
+    }
+    (6..NV).for_each(|i| coordinates[(i, i)] += 1.0);
+    let both = [coordinates, velocities];
+    let stacked = |first: usize, columns: usize| {
+        DMatrix::from_fn(2 * NV, columns, |i, j| both[i / NV][(i % NV, first + j)])
+    };
+    [stacked(0, 2 * NV), stacked(2 * NV, MOTORS)]
 }
 
 /// The forces on the feet in the air: far within the friction cone, so that they cost nothing.

@@ -14,10 +14,10 @@ modyn::modyn! {
     pub(crate) Quadruped = "../../robots/quadruped.urdf",
     base = floating,
     functions = [
-        forward_dynamics, brge, mass_matrix, bias_forces, step_semi_implicit, step_semi_implicit_derivatives,
-        integrate, integrate_derivatives, difference, difference_derivatives,
+        forward_dynamics, brge, mass_matrix, bias_forces, step_semi_implicit, knot,
+        integrate, difference, difference_derivatives,
         constraint_jacobian, constraint_jacobian_dot_qd, constraint_residual,
-        constrained_inverse_dynamics, constrained_forward_dynamics, constrained_forward_dynamics_derivatives,
+        constrained_inverse_dynamics, constrained_forward_dynamics, constrained_knot,
         step,
     ],
     contacts = [

@@ -194,6 +194,9 @@ impl Lowering {
                 Lowering::traced(|t, s| t.step_semi_implicit_derivatives(&s.for_derivatives))
                     .packed(Packing::Derivatives)
             }
+            Function::Knot => Lowering::traced(|t, s| t.knot(&s.for_derivatives))
+                .packed(Packing::Derivatives)
+                .products(|t, s, _| t.knot_by_products(&s.for_derivatives)),
             Function::StepSemiImplicitHessian => {
                 Lowering::traced(|t, s| t.step_semi_implicit_hessian(&s.for_derivatives))
                     .packed(Packing::Columns)
@@ -222,6 +225,10 @@ impl Lowering {
                         t.constrained_forward_dynamics_derivatives_around_rows(&s.layout, inputs)
                     })
             }
+            Function::ConstrainedKnot => Lowering::traced(|t, s| t.constrained_knot(&s.layout))
+                .packed(Packing::ConstrainedColumns)
+                .products(|t, s, inputs| t.constrained_knot_by_products(&s.layout, inputs))
+                .rows(|t, s, inputs| t.constrained_knot_around_rows(&s.layout, inputs)),
             Function::ConstrainedForwardDynamicsHessian => {
                 Lowering::traced(|t, s| t.constrained_forward_dynamics_hessian(&s.layout))
             }

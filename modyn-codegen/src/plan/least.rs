@@ -194,6 +194,7 @@ const fn solves_for_columns(function: Function) -> bool {
             | Function::ForwardDynamicsHessian
             | Function::StepSemiImplicitDerivatives
             | Function::StepSemiImplicitHessian
+            | Function::Knot
     )
 }
 
@@ -203,6 +204,7 @@ const fn eliminates_rows(function: Function) -> bool {
         function,
         Function::ConstrainedForwardDynamics
             | Function::ConstrainedForwardDynamicsDerivatives
+            | Function::ConstrainedKnot
             | Function::ConstrainedForwardDynamicsHessian
             | Function::ProjectConstraints
             | Function::ImpactDynamics

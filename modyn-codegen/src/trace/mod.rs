@@ -12,6 +12,7 @@ mod evaluation;
 mod factorization;
 mod hessians;
 mod kinematics;
+mod knots;
 mod limb_products;
 pub(crate) mod limbs;
 mod looped;

@@ -747,6 +747,22 @@ class Robot:
         Result: `StepDerivatives`: `q` (nq,), `qd` (nv,), `a` (2 nv, 2 nv), `b` (2 nv, nv). Several
         states have one more axis, the first.
         """
+    def knot(
+        self, q: ArrayLike, qd: ArrayLike, tau: ArrayLike, dt: ArrayLike, *, out: Knot | None = None
+    ) -> Knot:
+        """Returns a knot of optimal control: the velocities after a step of the time `dt` (s) by the
+        semi-implicit Euler method, and the derivatives of the step in blocks, by rows. The
+        derivatives of the velocities are with respect to `q` (in tangent space), `qd` and `tau`.
+        The coordinates after the step are `integrate` of `q` and v, with v = `dt` times these
+        velocities. Their derivatives with respect to `q` and v are 1, except for a 6 x 6 block at
+        each quaternion, such as the quaternion of a floating base. A spherical joint has the
+        angular part of its block.
+
+        Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number.
+        Result: `Knot`: `qd` (nv,), `dqd_dq` (nv, nv), `dqd_dqd` (nv, nv), `dqd_dtau` (nv, nv),
+        `dq_dq` (quaternions, 6, 6), `dq_dv` (quaternions, 6, 6). Several states have one more axis,
+        the first.
+        """
     def step_semi_implicit_hessian(
         self, q: ArrayLike, qd: ArrayLike, tau: ArrayLike, dt: ArrayLike, state_cotangent: ArrayLike, *, out: StepHessian | None = None
     ) -> StepHessian:
@@ -864,6 +880,22 @@ class Robot:
         `dqdd_dq` (nv, nv), `dqdd_dqd` (nv, nv), `dqdd_dtau` (nv, nv), `dwrenches_dq` (constraints,
         6, nv), `dwrenches_dqd` (constraints, 6, nv), `dwrenches_dtau` (constraints, 6, nv), `rank`
         a number, forces before moments. Several states have one more axis, the first.
+        """
+    def constrained_knot(
+        self, q: ArrayLike, qd: ArrayLike, tau: ArrayLike, dt: ArrayLike, active: ArrayLike | None = None, settings: ConstraintSettings | ArrayLike | None = None, *, out: ConstrainedKnot | None = None
+    ) -> ConstrainedKnot:
+        """Returns the results of `knot` under the accelerations of `constrained_forward_dynamics`, and
+        the wrenches of the constraints with their derivatives, which
+        `constrained_forward_dynamics_derivatives` describes.
+
+        Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number; `active`: the names of the
+        active contacts, or (contacts,), 1 for each active one, else 0; by default all are;
+        `settings`: `ConstraintSettings`, by default with the ground at z = 0 under all contacts.
+        Result: `ConstrainedKnot`: `qd` (nv,), `wrenches` (constraints, 6), `dqd_dq` (nv, nv),
+        `dqd_dqd` (nv, nv), `dqd_dtau` (nv, nv), `dq_dq` (quaternions, 6, 6), `dq_dv` (quaternions,
+        6, 6), `dwrenches_dq` (constraints, 6, nv), `dwrenches_dqd` (constraints, 6, nv),
+        `dwrenches_dtau` (constraints, 6, nv), `rank` a number, forces before moments. Several
+        states have one more axis, the first.
         """
     def constrained_forward_dynamics_hessian(
         self, q: ArrayLike, qd: ArrayLike, tau: ArrayLike, cotangent: ArrayLike, wrench_cotangent: ArrayLike, active: ArrayLike | None = None, settings: ConstraintSettings | ArrayLike | None = None, *, out: ConstrainedForwardDynamicsHessian | None = None

@@ -18,6 +18,7 @@ __all__ = [
     "ConstrainedForwardDynamicsDerivatives",
     "ConstrainedForwardDynamicsHessian",
     "ConstrainedInverseDynamics",
+    "ConstrainedKnot",
     "ConstraintProjection",
     "ConstraintResidual",
     "DifferenceDerivatives",
@@ -32,6 +33,7 @@ __all__ = [
     "InverseDynamicsHessian",
     "InverseDynamicsJvp",
     "InverseDynamicsVjp",
+    "Knot",
     "LinearizedActuatedStep",
     "LinearizedStep",
     "OperationalSpaceInertia",
@@ -204,6 +206,33 @@ class ConstrainedInverseDynamics(NamedTuple):
     """a number"""
 
 
+class ConstrainedKnot(NamedTuple):
+    """The result of `constrained_knot`."""
+
+    qd: NDArray[Any]
+    """(nv,)"""
+    wrenches: NDArray[Any]
+    """(constraints, 6)"""
+    dqd_dq: NDArray[Any]
+    """(nv, nv)"""
+    dqd_dqd: NDArray[Any]
+    """(nv, nv)"""
+    dqd_dtau: NDArray[Any]
+    """(nv, nv)"""
+    dq_dq: NDArray[Any]
+    """(quaternions, 6, 6)"""
+    dq_dv: NDArray[Any]
+    """(quaternions, 6, 6)"""
+    dwrenches_dq: NDArray[Any]
+    """(constraints, 6, nv)"""
+    dwrenches_dqd: NDArray[Any]
+    """(constraints, 6, nv)"""
+    dwrenches_dtau: NDArray[Any]
+    """(constraints, 6, nv)"""
+    rank: NDArray[Any]
+    """a number"""
+
+
 class ConstraintProjection(NamedTuple):
     """The result of `project_constraints`."""
 
@@ -368,6 +397,23 @@ class InverseDynamicsVjp(NamedTuple):
     """(nv,)"""
     grad_qdd: NDArray[Any]
     """(nv,)"""
+
+
+class Knot(NamedTuple):
+    """The result of `knot`."""
+
+    qd: NDArray[Any]
+    """(nv,)"""
+    dqd_dq: NDArray[Any]
+    """(nv, nv)"""
+    dqd_dqd: NDArray[Any]
+    """(nv, nv)"""
+    dqd_dtau: NDArray[Any]
+    """(nv, nv)"""
+    dq_dq: NDArray[Any]
+    """(quaternions, 6, 6)"""
+    dq_dv: NDArray[Any]
+    """(quaternions, 6, 6)"""
 
 
 class LinearizedActuatedStep(NamedTuple):

@@ -49,7 +49,7 @@ pub use factorization::UduFactorization;
 pub use hessians::{HessianOutputs, StepHessianOutputs};
 pub use inertias::InertialError;
 pub use soft_constraints::{StateChange, StateDerivatives, StateGradients, StepSolutionOutputs};
-pub use steps::StepOutputs;
+pub use steps::{ConstrainedKnotOutputs, KnotOutputs, StepOutputs};
 
 /// The dynamics of a model that is known at run time only.
 ///

@@ -1,17 +1,35 @@
 //! Discrete dynamics: the state after a time step, and its derivatives.
 
 use super::Interpreter;
+use super::constraints::ConstrainedDerivatives;
 use super::errors::{ShapeError, check};
 use crate::Scalar;
+use crate::constraint_settings::{ConstraintSettings, ContactTarget};
 use crate::equations::brge::UduLayout;
 use crate::equations::dynamics::Elimination;
-pub use crate::equations::steps::StepOutputs;
+pub use crate::equations::steps::{KnotOutputs, StepOutputs};
 use crate::equations::{
     MidpointWorkspace, NextState, RungeKuttaWorkspace, StepWorkspace, TimeStepInput, Workspace,
     steps,
 };
 use crate::mechanism::Mechanism;
 use crate::model::ModuleTree;
+use crate::spatial::Wrench;
+
+/// The results of [`Interpreter::constrained_knot`].
+#[derive(Debug)]
+pub struct ConstrainedKnotOutputs<'a, S> {
+    /// The velocities after the step, and the derivatives of the step.
+    pub knot: KnotOutputs<'a, S>,
+    /// The wrench of each constraint.
+    pub wrenches: &'a mut [Wrench<S>],
+    /// The derivatives of the wrenches with respect to q, in tangent space.
+    pub dwrenches_dq: &'a mut [Wrench<S>],
+    /// The derivatives of the wrenches with respect to qd.
+    pub dwrenches_dqd: &'a mut [Wrench<S>],
+    /// The derivatives of the wrenches with respect to tau.
+    pub dwrenches_dtau: &'a mut [Wrench<S>],
+}
 
 /// A method that computes the coordinates and velocities after a time step, from q, qd, tau and dt.
 type Method<S> = fn(
@@ -59,6 +77,96 @@ impl<S: Scalar> Interpreter<S> {
         let memory = steps.get_or_insert_with(|| StepWorkspace::new(mechanism));
         steps::step_semi_implicit_derivatives(mechanism, layout, input, workspace, memory, outputs);
         Ok(())
+    }
+
+    /// Computes the velocities after the time `dt` (s) by the semi-implicit Euler method, and the
+    /// derivatives of the step in blocks, by rows. The first call allocates memory.
+    ///
+    /// # Errors
+    ///
+    /// If a slice does not have the model's length.
+    pub fn knot(
+        &mut self,
+        input: TimeStepInput<'_, S>,
+        outputs: KnotOutputs<'_, S>,
+    ) -> Result<(), ShapeError> {
+        self.check_forward_input(input.forward_input())?;
+        self.check_knot(&outputs)?;
+        let Self { mechanism, workspace, model, links, steps, .. } = self;
+        let layout =
+            links.get_or_insert_with(|| UduLayout::new(mechanism, &ModuleTree::links(model)));
+        let memory = steps.get_or_insert_with(|| StepWorkspace::new(mechanism));
+        steps::knot(mechanism, layout, input, workspace, memory, outputs);
+        Ok(())
+    }
+
+    /// Computes the results of [`knot`](Self::knot) with the loops closed and the `active` contacts
+    /// held, and the wrenches and their derivatives of
+    /// [`constrained_forward_dynamics_derivatives`](Self::constrained_forward_dynamics_derivatives).
+    /// Returns the number of independent constraint rows, an integer. The first call allocates
+    /// memory.
+    ///
+    /// # Errors
+    ///
+    /// If a slice does not have the model's length.
+    pub fn constrained_knot(
+        &mut self,
+        input: TimeStepInput<'_, S>,
+        active: &[bool],
+        settings: &ConstraintSettings<S, impl AsRef<[ContactTarget<S>]>>,
+        outputs: ConstrainedKnotOutputs<'_, S>,
+    ) -> Result<S, ShapeError> {
+        let n = self.model.nv();
+        let count = self.model.constraints();
+        self.check_forward_input(input.forward_input())?;
+        self.check_knot(&outputs.knot)?;
+        check("wrenches", outputs.wrenches, count)?;
+        check("dwrenches_dq", outputs.dwrenches_dq, n * count)?;
+        check("dwrenches_dqd", outputs.dwrenches_dqd, n * count)?;
+        check("dwrenches_dtau", outputs.dwrenches_dtau, n * count)?;
+        self.set_active(active, settings)?;
+        Ok(self.solve_knot(input, settings, outputs))
+    }
+
+    /// Computes a knot with the set of active contacts that was stored last. Lengths are not
+    /// checked.
+    pub(crate) fn solve_knot(
+        &mut self,
+        input: TimeStepInput<'_, S>,
+        settings: &ConstraintSettings<S, impl AsRef<[ContactTarget<S>]>>,
+        outputs: ConstrainedKnotOutputs<'_, S>,
+    ) -> S {
+        let ConstrainedKnotOutputs { knot, wrenches, .. } = outputs;
+        let ConstrainedKnotOutputs { dwrenches_dq, dwrenches_dqd, dwrenches_dtau, .. } = outputs;
+        let KnotOutputs { qd, dqd_dq, dqd_dqd, dqd_dtau, dq_dq, dq_dv } = knot;
+        let derivatives = ConstrainedDerivatives {
+            qdd: &mut *qd,
+            wrenches,
+            dqdd_dq: &mut *dqd_dq,
+            dqdd_dqd: &mut *dqd_dqd,
+            dqdd_dtau: &mut *dqd_dtau,
+            dwrenches_dq,
+            dwrenches_dqd,
+            dwrenches_dtau,
+        };
+        let rank = self.solve_derivatives(input.forward_input(), settings, derivatives);
+        let Self { mechanism, steps, .. } = self;
+        let memory = steps.get_or_insert_with(|| StepWorkspace::new(mechanism));
+        let knot = KnotOutputs { qd, dqd_dq, dqd_dqd, dqd_dtau, dq_dq, dq_dv };
+        knot.complete(mechanism, input, memory);
+        rank
+    }
+
+    fn check_knot(&self, outputs: &KnotOutputs<'_, S>) -> Result<(), ShapeError> {
+        let entries = 36 * self.model.quaternions().count();
+        self.check_vectors(&[("next_qd", outputs.qd)])?;
+        self.check_matrices(&[
+            ("dqd_dq", outputs.dqd_dq),
+            ("dqd_dqd", outputs.dqd_dqd),
+            ("dqd_dtau", outputs.dqd_dtau),
+        ])?;
+        check("dq_dq", outputs.dq_dq, entries)?;
+        check("dq_dv", outputs.dq_dv, entries)
     }
 
     /// Computes the coordinates and velocities after the time `dt` (s) under the joint forces

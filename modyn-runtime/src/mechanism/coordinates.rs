@@ -59,6 +59,27 @@ impl<S> Coordinates<S> {
     }
 }
 
+/// Returns the entries of a block-diagonal matrix of `nv` columns at the quaternions: a 6 x 6 block
+/// by rows for each quaternion. An entry is its index in the matrix by columns. The block of a
+/// rotation is the angular part of a block of a pose, whose other entries are zero (`None`).
+pub fn quaternion_blocks<S>(
+    coordinates: &[Coordinates<S>],
+    nv: usize,
+) -> impl Iterator<Item = Option<usize>> {
+    let firsts = coordinates.iter().filter_map(|group| match group.space {
+        CoordinateSpace::Line { .. } => None,
+        CoordinateSpace::Rotation => Some((group.v, 3)),
+        CoordinateSpace::Pose => Some((group.v, 0)),
+    });
+    firsts.flat_map(move |(first, skipped)| {
+        (0..36).map(move |entry| {
+            let row = usize::checked_sub(entry / 6, skipped)?;
+            let column = usize::checked_sub(entry % 6, skipped)?;
+            Some((first + column) * nv + first + row)
+        })
+    })
+}
+
 /// Returns the coordinates of `model` in their order; mimic joints have none.
 pub(super) fn coordinates<S: Scalar>(model: &Model) -> Vec<Coordinates<S>> {
     let mut all = Vec::with_capacity(model.nv());

@@ -90,6 +90,14 @@ pub enum Function {
     /// derivatives: `a` with respect to the state before and `b` with respect to `tau`, arrays of
     /// columns. A state has the entries of q (in tangent space), then the entries of qd.
     StepSemiImplicitDerivatives,
+    /// Returns a knot of optimal control: the velocities after a step of the time `dt` (s) by the
+    /// semi-implicit Euler method, and the derivatives of the step in blocks, by rows. The
+    /// derivatives of the velocities are with respect to `q` (in tangent space), `qd` and `tau`.
+    /// The coordinates after the step are `integrate` of `q` and v, with v = `dt` times these
+    /// velocities. Their derivatives with respect to `q` and v are 1, except for a 6 x 6 block at
+    /// each quaternion, such as the quaternion of a floating base. A spherical joint has the
+    /// angular part of its block.
+    Knot,
     /// Returns the state after the time `dt` (s) by the semi-implicit Euler method, and the
     /// gradients and the Hessian of `state_cotangent`^T state: `grad_x` and `grad_tau` with respect
     /// to the state before and `tau`, and `hess_x_x`, `hess_x_tau` and `hess_tau_tau`, arrays of
@@ -135,6 +143,10 @@ pub enum Function {
     /// columns. The derivatives of wrenches are arrays for each constraint, in the axes of the
     /// wrenches. The rank is assumed constant; redundant rows get the derivatives of smallest norm.
     ConstrainedForwardDynamicsDerivatives,
+    /// Returns the results of `knot` under the accelerations of `constrained_forward_dynamics`, and
+    /// the wrenches of the constraints with their derivatives, which
+    /// `constrained_forward_dynamics_derivatives` describes.
+    ConstrainedKnot,
     /// Returns the accelerations and the wrenches of `constrained_forward_dynamics`, and the
     /// gradients and the Hessian of their sum with the weights `cotangent` and `wrench_cotangent`
     /// (of the components of the wrenches) with respect to `q` (in tangent space), `qd` and `tau`.
@@ -325,6 +337,8 @@ pub enum Function {
     InverseDynamicsHessianBatch,
     /// `forward_dynamics_hessian` of many states at a time.
     ForwardDynamicsHessianBatch,
+    /// `knot` of many states at a time.
+    KnotBatch,
     /// `constrained_forward_dynamics` of many states at a time.
     ConstrainedForwardDynamicsBatch,
     /// `constraint_residual` of many states at a time.
@@ -333,6 +347,8 @@ pub enum Function {
     ProjectConstraintsBatch,
     /// `constrained_forward_dynamics_derivatives` of many states at a time.
     ConstrainedForwardDynamicsDerivativesBatch,
+    /// `constrained_knot` of many states at a time.
+    ConstrainedKnotBatch,
     /// `impact_dynamics` of many states at a time.
     ImpactDynamicsBatch,
     /// `actuate` of many states at a time.

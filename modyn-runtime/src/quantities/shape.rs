@@ -192,6 +192,8 @@ pub struct Sizes {
     pub links: usize,
     /// The number of moving links.
     pub moving: usize,
+    /// The number of quaternions in the coordinates.
+    pub quaternions: usize,
     /// The number of constraints: closed loops and contacts.
     pub constraints: usize,
     /// The number of contacts.
@@ -220,6 +222,7 @@ impl Sizes {
             nv: model.nv(),
             links: model.frames().len(),
             moving: model.links().len(),
+            quaternions: model.quaternions().count(),
             constraints: model.constraints(),
             contacts: model.contacts().len(),
             constraint_rows: model.constraint_rows(),

@@ -145,6 +145,20 @@ pub fn step_derivatives(s: &Sizes) -> Shape {
     Shape::Record(Record::ResultsByField("StepDerivatives"), [state, matrices].concat())
 }
 
+pub fn knot(s: &Sizes) -> Shape {
+    named_fields("Knot", [&[("qd", velocities(s))], &knot_matrices(s)[..]].concat())
+}
+
+/// The derivatives of a knot, by rows: of the velocities, then of the coordinates of each
+/// quaternion.
+fn knot_matrices(s: &Sizes) -> Vec<Field> {
+    let of_velocities =
+        ["dqd_dq", "dqd_dqd", "dqd_dtau"].map(|name| (name, velocities(s).rows(s.nv)));
+    let block = || Shape::vector(6).rows(6).array(s.quaternions);
+    let of_coordinates = ["dq_dq", "dq_dv"].map(|name| (name, block()));
+    [&of_velocities[..], &of_coordinates].concat()
+}
+
 pub fn step_hessian(s: &Sizes) -> Shape {
     let fields = vec![
         ("q", coordinates(s)),
@@ -175,11 +189,23 @@ pub fn constraint_residual(s: &Sizes) -> Shape {
 
 pub fn constrained_derivatives(s: &Sizes) -> Shape {
     let matrices = ["dqdd_dq", "dqdd_dqd", "dqdd_dtau"].map(|name| (name, square(s)));
-    let change = || Shape::wrench().columns(s.nv).array(s.constraints);
-    let changes = ["dwrenches_dq", "dwrenches_dqd", "dwrenches_dtau"].map(|name| (name, change()));
     let first = [("qdd", velocities(s)), ("wrenches", constraint_wrenches(s))];
-    let fields = [&first[..], &matrices, &changes, &[("rank", Shape::Scalar)]].concat();
+    let rank = [("rank", Shape::Scalar)];
+    let fields = [&first[..], &matrices, &changes_of_wrenches(s), &rank].concat();
     named_fields("ConstrainedForwardDynamicsDerivatives", fields)
+}
+
+pub fn constrained_knot(s: &Sizes) -> Shape {
+    let first = [("qd", velocities(s)), ("wrenches", constraint_wrenches(s))];
+    let rank = [("rank", Shape::Scalar)];
+    let fields = [&first[..], &knot_matrices(s), &changes_of_wrenches(s), &rank].concat();
+    named_fields("ConstrainedKnot", fields)
+}
+
+/// The derivatives of the wrenches of constraints.
+fn changes_of_wrenches(s: &Sizes) -> [Field; 3] {
+    ["dwrenches_dq", "dwrenches_dqd", "dwrenches_dtau"]
+        .map(|name| (name, Shape::wrench().columns(s.nv).array(s.constraints)))
 }
 
 pub fn constrained_hessian(s: &Sizes) -> Shape {

@@ -321,6 +321,23 @@ pub const ROWS: &[Row] = &[
         ..Row::INERTIAL
     },
     Row {
+        function: Function::Knot,
+        name: "knot",
+        known_as: &["knot point", "action model", "calcDiff"],
+        arguments: &[Q, QD, TAU, DT],
+        result: shapes::knot,
+        docs: "Returns a knot of optimal control: the velocities after a step of the time `dt` (s) \
+            by the semi-implicit Euler method, and the derivatives of the step in blocks, by rows. \
+            The derivatives of the velocities are with respect to `q` (in tangent space), `qd` and \
+            `tau`. The coordinates after the step are `integrate` of `q` and v, with v = `dt` times \
+            these velocities. Their derivatives with respect to `q` and v are 1, except for a 6 x \
+            6 block at each quaternion, such as the quaternion of a floating base. A spherical \
+            joint has the angular part of its block.",
+        hot: true,
+        batch: Some(Function::KnotBatch),
+        ..Row::INERTIAL
+    },
+    Row {
         function: Function::StepSemiImplicitHessian,
         name: "step_semi_implicit_hessian",
         arguments: &[Q, QD, TAU, DT, STATE_COTANGENT],
@@ -433,6 +450,18 @@ pub const ROWS: &[Row] = &[
             axes of the wrenches. The rank is assumed constant; redundant rows get the derivatives \
             of smallest norm.",
         batch: Some(Function::ConstrainedForwardDynamicsDerivativesBatch),
+        ..Row::CONSTRAINED
+    },
+    Row {
+        function: Function::ConstrainedKnot,
+        name: "constrained_knot",
+        known_as: &["DifferentialActionModelContactFwdDynamics"],
+        arguments: &[Q, QD, TAU, DT, ACTIVE, SETTINGS],
+        result: shapes::constrained_knot,
+        docs: "Returns the results of `knot` under the accelerations of \
+            `constrained_forward_dynamics`, and the wrenches of the constraints with their \
+            derivatives, which `constrained_forward_dynamics_derivatives` describes.",
+        batch: Some(Function::ConstrainedKnotBatch),
         ..Row::CONSTRAINED
     },
     Row {

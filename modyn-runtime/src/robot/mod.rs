@@ -13,12 +13,12 @@ use crate::functions::{self, not_generated};
 use crate::results::{
     ActuatedStep, ActuatedStepJvp, ActuatedStepVjp, ActuatorForces, CentroidalMomentumDerivatives,
     ConstrainedForwardDynamics, ConstrainedForwardDynamicsDerivatives,
-    ConstrainedForwardDynamicsHessian, ConstrainedInverseDynamics, ConstraintProjection,
-    ConstraintResidual, DifferenceDerivatives, ForwardDynamicsDerivatives, ForwardDynamicsHessian,
-    ForwardDynamicsJvp, ForwardDynamicsVjp, GeneralizedForces, ImpactDynamics,
-    IntegrateDerivatives, InverseDynamicsDerivatives, InverseDynamicsHessian, InverseDynamicsJvp,
-    InverseDynamicsVjp, LinearizedActuatedStep, LinearizedStep, OperationalSpaceInertia, Step,
-    StepDerivatives, StepHessian, StepJvp, StepSolution, StepVjp,
+    ConstrainedForwardDynamicsHessian, ConstrainedInverseDynamics, ConstrainedKnot,
+    ConstraintProjection, ConstraintResidual, DifferenceDerivatives, ForwardDynamicsDerivatives,
+    ForwardDynamicsHessian, ForwardDynamicsJvp, ForwardDynamicsVjp, GeneralizedForces,
+    ImpactDynamics, IntegrateDerivatives, InverseDynamicsDerivatives, InverseDynamicsHessian,
+    InverseDynamicsJvp, InverseDynamicsVjp, Knot, LinearizedActuatedStep, LinearizedStep,
+    OperationalSpaceInertia, Step, StepDerivatives, StepHessian, StepJvp, StepSolution, StepVjp,
 };
 use crate::spatial::{Momentum, Pose, Twist, Vector3, Wrench};
 use crate::step_settings::{ContactSurface, StepSettings};
@@ -123,6 +123,9 @@ pub trait Robot {
     /// The type of arrays with an entry for each link of the description, in the order of
     /// [`LINK_NAMES`](Self::LINK_NAMES).
     type PerLink<X: Copy>: Array<X>;
+    /// The type of arrays with an entry for each quaternion in the coordinates, in the order of
+    /// [`QUATERNIONS`](Self::QUATERNIONS).
+    type PerQuaternion<X: Copy>: Array<X>;
     /// The type of sets of active contacts: a member for each contact, or `()` without contacts.
     type Contacts: ContactSet;
     /// The type of arrays with an entry for each contact, in the order of
@@ -857,6 +860,45 @@ pub trait Robot {
         Self::step_semi_implicit_derivatives_with(&Self::Params::<T>::default(), q, qd, tau, dt)
     }
 
+    /// Returns a knot of optimal control: the velocities after a step of the time `dt` (s) by the
+    /// semi-implicit Euler method, and the derivatives of the step in blocks, by rows. The
+    /// derivatives of the velocities are with respect to `q` (in tangent space), `qd` and `tau`.
+    /// The coordinates after the step are `integrate` of `q` and v, with v = `dt` times these
+    /// velocities. Their derivatives with respect to `q` and v are 1, except for a 6 x 6 block at
+    /// each quaternion, such as the quaternion of a floating base. A spherical joint has the
+    /// angular part of its block.
+    #[doc(alias = "knot point")]
+    #[doc(alias = "action model")]
+    #[doc(alias = "calcDiff")]
+    fn knot_with<T: Scalar>(
+        params: &Self::Params<T>,
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        tau: &Self::V<T>,
+        dt: T,
+    ) -> Knot<Self::V<T>, Self::M<T>, Self::PerQuaternion<[[T; 6]; 6]>>
+    where
+        Self: functions::Knot,
+    {
+        const { not_generated() }
+    }
+
+    /// Calls [`knot_with`](Self::knot_with) with the default parameters.
+    #[doc(alias = "knot point")]
+    #[doc(alias = "action model")]
+    #[doc(alias = "calcDiff")]
+    fn knot<T: Scalar>(
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        tau: &Self::V<T>,
+        dt: T,
+    ) -> Knot<Self::V<T>, Self::M<T>, Self::PerQuaternion<[[T; 6]; 6]>>
+    where
+        Self: functions::Knot,
+    {
+        Self::knot_with(&Self::Params::<T>::default(), q, qd, tau, dt)
+    }
+
     /// Returns the state after the time `dt` (s) by the semi-implicit Euler method, and the
     /// gradients and the Hessian of `state_cotangent`^T state: `grad_x` and `grad_tau` with respect
     /// to the state before and `tau`, and `hess_x_x`, `hess_x_tau` and `hess_tau_tau`, arrays of
@@ -1210,6 +1252,55 @@ pub trait Robot {
             active,
             settings,
         )
+    }
+
+    /// Returns the results of `knot` under the accelerations of `constrained_forward_dynamics`, and
+    /// the wrenches of the constraints with their derivatives, which
+    /// `constrained_forward_dynamics_derivatives` describes.
+    #[doc(alias = "DifferentialActionModelContactFwdDynamics")]
+    fn constrained_knot_with<T: Scalar>(
+        params: &Self::Params<T>,
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        tau: &Self::V<T>,
+        dt: T,
+        active: Self::Contacts,
+        settings: &Settings<Self, T>,
+    ) -> ConstrainedKnot<
+        Self::V<T>,
+        Self::PerConstraint<Wrench<T>>,
+        Self::M<T>,
+        Self::PerQuaternion<[[T; 6]; 6]>,
+        Self::PerConstraint<Self::PerVelocity<Wrench<T>>>,
+        T,
+    >
+    where
+        Self: functions::ConstrainedKnot,
+    {
+        const { not_generated() }
+    }
+
+    /// Calls [`constrained_knot_with`](Self::constrained_knot_with) with the default parameters.
+    #[doc(alias = "DifferentialActionModelContactFwdDynamics")]
+    fn constrained_knot<T: Scalar>(
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        tau: &Self::V<T>,
+        dt: T,
+        active: Self::Contacts,
+        settings: &Settings<Self, T>,
+    ) -> ConstrainedKnot<
+        Self::V<T>,
+        Self::PerConstraint<Wrench<T>>,
+        Self::M<T>,
+        Self::PerQuaternion<[[T; 6]; 6]>,
+        Self::PerConstraint<Self::PerVelocity<Wrench<T>>>,
+        T,
+    >
+    where
+        Self: functions::ConstrainedKnot,
+    {
+        Self::constrained_knot_with(&Self::Params::<T>::default(), q, qd, tau, dt, active, settings)
     }
 
     /// Returns the accelerations and the wrenches of `constrained_forward_dynamics`, and the

@@ -155,6 +155,8 @@ fn products() -> Builder {
         Function::ForwardDynamicsHessian,
         Function::ForwardDynamicsHessianBatch,
         Function::StepSemiImplicitDerivatives,
+        Function::Knot,
+        Function::KnotBatch,
     ];
     robot("arm6").base(Base::Floating).functions(functions).code(CodeForm::Looped)
 }
@@ -164,6 +166,8 @@ fn columns() -> Builder {
     let functions = [
         Function::ConstrainedForwardDynamicsDerivatives,
         Function::ConstrainedForwardDynamicsDerivativesBatch,
+        Function::ConstrainedKnot,
+        Function::ConstrainedKnotBatch,
     ];
     let hand = contact("hand", ContactKind::Surface, "wrist_3_link", [0.1, 0.0, -0.2]);
     let arm = robot("ur5").base(Base::Floating).contacts([hand]);
@@ -181,7 +185,7 @@ fn column() -> Builder {
         contact("toe", ContactKind::Point, "bob", [0.1, 0.2, -0.3]),
         contact("sole", ContactKind::Surface, "bob", [-0.2, 0.1, -0.1]),
     ];
-    let functions = [Function::ConstrainedForwardDynamicsDerivatives];
+    let functions = [Function::ConstrainedForwardDynamicsDerivatives, Function::ConstrainedKnot];
     let pendulum = Builder::new().urdf_text(text, "pendulum.urdf").contacts(contacts);
     pendulum.functions(functions).code(CodeForm::Looped)
 }

@@ -137,6 +137,7 @@ fn array_type(element: &str, n: usize) -> String {
         (SIZES.nv, "PerVelocity"),
         (2 * SIZES.nv, "PerState"),
         (SIZES.links, "PerLink"),
+        (SIZES.quaternions, "PerQuaternion"),
         (SIZES.constraints, "PerConstraint"),
         (SIZES.constraint_rows, "PerConstraintRow"),
         (SIZES.contacts, "PerContact"),

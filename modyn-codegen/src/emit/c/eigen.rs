@@ -35,7 +35,7 @@ impl Backend for Cpp {
 }
 
 /// The members of each class, and the library: no class has their names.
-const MEMBERS: [&str; 15] = [
+const MEMBERS: [&str; 16] = [
     "Activation",
     "Contact",
     "Control",
@@ -46,6 +46,7 @@ const MEMBERS: [&str; 15] = [
     "MatrixRef",
     "Q",
     "Rotation",
+    "RowMatrix",
     "Scalar",
     "Shape",
     "V",
@@ -256,7 +257,8 @@ impl Class {
             (_, Shape::Record(..)) => format!("Vector<{}>", shape.len()),
             (_, Shape::Array(element, count, elements)) => match (&**element, elements) {
                 (Shape::Scalar, _) => format!("Vector<{count}>"),
-                (_, Elements::Rows) => "Rotation".into(),
+                (row, Elements::Rows) if (row.len(), *count) == (3, 3) => "Rotation".into(),
+                (row, Elements::Rows) => format!("RowMatrix<{count}, {}>", row.len()),
                 (_, Elements::Columns) => format!("Matrix<{}, {count}>", element.len()),
                 (Shape::Record(..), Elements::List) => {
                     format!("Matrix<{}, {count}>", element.len())

@@ -69,6 +69,7 @@ impl Robot<'_> {
              type PerVelocity<X: ::core::marker::Copy> = [X; {nv}];\n\
              type PerState<X: ::core::marker::Copy> = [X; {state}];\n\
              type PerLink<X: ::core::marker::Copy> = [X; {links}];\n\
+             type PerQuaternion<X: ::core::marker::Copy> = [X; {quaternions}];\n\
              type Contacts = {contacts_type};\n\
              type PerContact<X: ::core::marker::Copy> = [X; {contacts}];\n\
              type PerTouchingShape<X: ::core::marker::Copy> = [X; {shapes}];\n\
@@ -83,6 +84,7 @@ impl Robot<'_> {
              fn neutral<T: __modyn::Scalar>() -> [T; {nq}] {{\n    Self::NEUTRAL.map(|x| \
              T::from_f64(::core::convert::Into::into(x)))\n}}",
             state = 2 * nv,
+            quaternions = sizes.quaternions,
             shapes = sizes.touching_shapes,
             points = sizes.touching_points,
             controls = sizes.controls,

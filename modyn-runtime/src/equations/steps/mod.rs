@@ -4,6 +4,7 @@
 //! spaces (`kinematics/coordinates`), so quaternions keep length 1.
 
 mod implicit_midpoint;
+mod knot;
 mod runge_kutta;
 mod semi_implicit;
 
@@ -12,7 +13,7 @@ use alloc::{vec, vec::Vec};
 use crate::Scalar;
 use crate::mechanism::Mechanism;
 
-pub use {implicit_midpoint::*, runge_kutta::*, semi_implicit::*};
+pub use {implicit_midpoint::*, knot::*, runge_kutta::*, semi_implicit::*};
 
 /// The state after a step, and its derivatives: the results of [`step_semi_implicit_derivatives`],
 /// [`step_rk4_derivatives`] and [`step_implicit_midpoint_derivatives`].

@@ -146,6 +146,7 @@ fn compute<S: Scalar>(function: Function, call: Call<'_, S>) -> Result<(), Frame
         }
         F::StepSemiImplicit => call.step_semi_implicit()?,
         F::StepSemiImplicitDerivatives => call.step_semi_implicit_derivatives()?,
+        F::Knot | F::KnotBatch => call.knot()?,
         F::StepSemiImplicitHessian => call.step_semi_implicit_hessian()?,
         F::StepRk4 => call.step_rk4()?,
         F::StepRk4Derivatives => call.step_rk4_derivatives()?,
@@ -160,6 +161,7 @@ fn compute<S: Scalar>(function: Function, call: Call<'_, S>) -> Result<(), Frame
         | F::ConstrainedForwardDynamicsDerivativesBatch => {
             call.constrained_forward_dynamics_derivatives()
         }
+        F::ConstrainedKnot | F::ConstrainedKnotBatch => call.constrained_knot(),
         F::ConstrainedForwardDynamicsHessian => call.constrained_forward_dynamics_hessian(),
         F::ImpactDynamics | F::ImpactDynamicsBatch => call.impact_dynamics(),
         F::Step => call.step()?,

@@ -1,13 +1,15 @@
 //! The evaluation of time steps and actuators.
 
 use super::super::arguments::{
-    ACT_COTANGENT, STATE_COTANGENT, TANGENT_ACT, TANGENT_CTRL, TANGENT_Q, TANGENT_QD, TANGENT_TAU,
+    ACT_COTANGENT, ACTIVE, STATE_COTANGENT, TANGENT_ACT, TANGENT_CTRL, TANGENT_Q, TANGENT_QD,
+    TANGENT_TAU,
 };
 use super::call::Call;
+use super::components::{read, write};
 use crate::Scalar;
 use crate::interpreter::{
-    ActuatorOutputs, ShapeError, StateChange, StateDerivatives, StateGradients, StepHessianOutputs,
-    StepOutputs, StepSolutionOutputs,
+    ActuatorOutputs, ConstrainedKnotOutputs, KnotOutputs, ShapeError, StateChange,
+    StateDerivatives, StateGradients, StepHessianOutputs, StepOutputs, StepSolutionOutputs,
 };
 
 /// Returns the outputs of the solver of a step.
@@ -28,6 +30,35 @@ impl<S: Scalar> Call<'_, S> {
         let Self { robot, given, out } = self;
         let [q, qd, a, b] = out.parts();
         robot.step_semi_implicit_derivatives(given.time_step(), StepOutputs { q, qd, a, b })
+    }
+
+    pub(super) fn knot(self) -> Result<(), ShapeError> {
+        let Self { robot, given, out } = self;
+        let [qd, dqd_dq, dqd_dqd, dqd_dtau, dq_dq, dq_dv] = out.parts();
+        let outputs = KnotOutputs { qd, dqd_dq, dqd_dqd, dqd_dtau, dq_dq, dq_dv };
+        robot.knot(given.time_step(), outputs)
+    }
+
+    pub(super) fn constrained_knot(self) {
+        let Self { robot, given, out } = self;
+        let [qd, wrenches, dqd_dq, dqd_dqd, dqd_dtau, dq_dq, dq_dv, changes @ .., rank] =
+            out.parts::<11>();
+        robot.activate(&given[ACTIVE]);
+        let mut held = read(wrenches);
+        let mut changes_of_wrenches = changes.each_ref().map(|numbers| read(numbers));
+        let [dwrenches_dq, dwrenches_dqd, dwrenches_dtau] = &mut changes_of_wrenches;
+        let outputs = ConstrainedKnotOutputs {
+            knot: KnotOutputs { qd, dqd_dq, dqd_dqd, dqd_dtau, dq_dq, dq_dv },
+            wrenches: &mut held,
+            dwrenches_dq,
+            dwrenches_dqd,
+            dwrenches_dtau,
+        };
+        rank[0] = robot.solve_knot(given.time_step(), &given.settings(), outputs);
+        write(&held, wrenches);
+        for (wrenches, place) in changes_of_wrenches.iter().zip(changes) {
+            write(wrenches, place);
+        }
     }
 
     pub(super) fn step_semi_implicit_hessian(self) -> Result<(), ShapeError> {
