@@ -2,7 +2,10 @@
 
 use std::path::Path;
 
-use modyn_codegen::{Base, Builder, Contact, ContactKind, Function, LoopEnd, Target};
+use modyn_codegen::{
+    Base, Builder, Contact, ContactKind, Function, GpuLanguage, LoopEnd, RolloutOptions, Target,
+};
+use naga::Module;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
 use crate::conformance::robot;
@@ -12,17 +15,23 @@ fn validate(name: &str, builder: &Builder, functions: impl Fn(Function) -> bool)
     let functions = Function::ALL.iter().copied().filter(|&function| functions(function));
     let builder = builder.clone().functions(functions);
     let source = builder.emit(Target::Wgsl).expect("good");
-    let module = naga::front::wgsl::parse_str(source.text())
-        .unwrap_or_else(|error| panic!("{name}: {}", error.emit_to_string(source.text())));
-    // What every processor has: no capability is optional.
-    let mut validator = Validator::new(ValidationFlags::all(), Capabilities::empty());
-    validator
-        .validate(&module)
-        .unwrap_or_else(|error| panic!("{name}: {}", error.emit_to_string(source.text())));
+    let module = parse(source.text(), name);
     let entries = module.entry_points.iter().map(|entry| entry.name.as_str());
     let kernels = source.kernels.iter().map(|kernel| kernel.name.as_str());
     assert!(entries.eq(kernels), "{name}: the kernels are the entry points");
     module.entry_points.len()
+}
+
+/// Returns a valid module.
+fn parse(text: &str, name: &str) -> Module {
+    let module = naga::front::wgsl::parse_str(text)
+        .unwrap_or_else(|error| panic!("{name}: {}", error.emit_to_string(text)));
+    // What every processor has: no capability is optional.
+    let mut validator = Validator::new(ValidationFlags::all(), Capabilities::empty());
+    validator
+        .validate(&module)
+        .unwrap_or_else(|error| panic!("{name}: {}", error.emit_to_string(text)));
+    module
 }
 
 /// Functions whose code is so long that validating that of large robots would take minutes.
@@ -33,6 +42,20 @@ fn is_short(function: Function) -> bool {
 #[test]
 fn all_functions_of_an_arm() {
     assert!(validate("arm6", &robot("arm6"), |_| true) > 100);
+}
+
+/// Kernels of rollouts call functions on the arrays of a thread, whose names WGSL must allow.
+#[test]
+fn functions_on_the_arrays_of_a_thread() {
+    let end = LoopEnd { link: "tool".into(), xyz: [0.0; 3], rpy: [0.0; 3] };
+    let hand = Contact { name: "hand".into(), kind: ContactKind::Point, end };
+    let functions = Function::ALL.iter().copied().filter(|&function| is_short(function));
+    let builder = robot("arm6").contacts([hand]).functions(functions);
+    let emitted = builder.emit_rollouts(GpuLanguage::Wgsl, &RolloutOptions::default());
+    let (source, _) = emitted.expect("good");
+    let text = &source.text;
+    assert!(text.contains("fn arm6_difference(") && text.contains("fn arm6_impact_dynamics("));
+    parse(text, "arm6");
 }
 
 #[test]

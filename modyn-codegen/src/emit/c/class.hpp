@@ -24,9 +24,9 @@ public:
     /// The number of links.
     static constexpr int links = @UPPER@_LINKS;
 
-    template <int Rows, int Columns>
-    using Matrix = Eigen::Matrix<Scalar, Rows, Columns,
-                                 Eigen::DontAlign | (Rows == 1 && Columns != 1 ? Eigen::RowMajor : Eigen::ColMajor)>;
+    template <int Rows, int Cols>
+    using Matrix = Eigen::Matrix<Scalar, Rows, Cols,
+                                 Eigen::DontAlign | (Rows == 1 && Cols != 1 ? Eigen::RowMajor : Eigen::ColMajor)>;
     template <int Size>
     using Vector = Matrix<Size, 1>;
     /// A matrix by rows.
@@ -36,8 +36,11 @@ public:
     /// An argument: a vector, a map, a segment or an expression of this size.
     template <int Size>
     using VectorRef = Eigen::Ref<const Vector<Size>>;
-    template <int Rows, int Columns>
-    using MatrixRef = Eigen::Ref<const Matrix<Rows, Columns>, 0, Eigen::Stride<0, 0>>;
+    template <int Rows, int Cols>
+    using MatrixRef = Eigen::Ref<const Matrix<Rows, Cols>, 0, Eigen::Stride<0, 0>>;
+    /// Any number of columns: of a matrix whose number of rows is known at compile time, else they are copied.
+    template <int Rows>
+    using Columns = Eigen::Ref<const Matrix<Rows, Eigen::Dynamic>, 0, Eigen::OuterStride<Rows>>;
 
 @MEMBERS@private:
     template <std::size_t Size>

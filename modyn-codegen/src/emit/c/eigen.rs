@@ -37,6 +37,7 @@ impl Backend for Cpp {
 /// The members of each class, and the library: no class has their names.
 const MEMBERS: [&str; 16] = [
     "Activation",
+    "Columns",
     "Contact",
     "Control",
     "Eigen",
@@ -171,8 +172,7 @@ impl Class {
     /// Prints the function `name`, which moves a state by the steps of an item.
     fn rollout(&mut self, name: &str, step: &Item<'_>) {
         let RolloutArguments { planned, numbers, shared, moved } = RolloutArguments::new(step);
-        let mut declared =
-            format!("const MatrixRef<{}, Eigen::Dynamic> &controls", planned.array.len);
+        let mut declared = format!("const Columns<{}> &controls", planned.array.len);
         let mut passed = String::from("static_cast<unsigned>(controls.cols()), controls.data()");
         for argument in shared.into_iter().map(|parameter| self.passed(parameter)) {
             let _ = write!(declared, ", {}", argument.declared);

@@ -158,7 +158,7 @@ impl Dialect for Wgsl {
             (true, Storage::Own) => {
                 format!("{}[{j}u]", self.buffer(RolloutBuffer::Parameters))
             }
-            (false, Storage::Own) => format!("{}[{j}u]", argument.name),
+            (false, Storage::Own) => format!("{}[{j}u]", own_array(argument)),
             (true, Storage::Buffers) => format!("{buffer}[{j}u]"),
             (false, Storage::Buffers) => format!("{buffer}[{j}u * n + state]"),
         }
@@ -214,7 +214,7 @@ impl Dialect for Wgsl {
             Storage::Buffers => "n, state".into(),
             Storage::Own => {
                 let buffers = kernel.arguments.iter().filter(|argument| !argument.common);
-                let names = buffers.map(|argument| argument.name.as_str()).chain(["&out"]);
+                let names = buffers.map(own_array).chain(["&out"]);
                 names.collect::<Vec<&str>>().join(", ")
             }
         };
@@ -334,10 +334,21 @@ impl Dialect for Wgsl {
     }
 }
 
+/// Returns the name of an argument on a thread's own arrays. WGSL reserves some words.
+fn own_array(argument: &GpuArgument) -> &str {
+    match &*argument.name {
+        "active" => "active_",
+        "from" => "from_",
+        name => name,
+    }
+}
+
 /// Returns the parameters of a function on a thread's own arrays.
 fn parameters(kernel: &GpuKernel) -> Vec<String> {
     let buffers = kernel.arguments.iter().filter(|argument| !argument.common);
-    buffers.map(|argument| format!("{}: array<f32, {}>", argument.name, argument.len)).collect()
+    buffers
+        .map(|argument| format!("{}: array<f32, {}>", own_array(argument), argument.len))
+        .collect()
 }
 
 /// Returns the first lines of a kernel, for a number of states.
