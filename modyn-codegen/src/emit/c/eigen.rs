@@ -35,7 +35,7 @@ impl Backend for Cpp {
 }
 
 /// The members of each class, and the library: no class has their names.
-const MEMBERS: [&str; 16] = [
+const MEMBERS: [&str; 17] = [
     "Activation",
     "Columns",
     "Contact",
