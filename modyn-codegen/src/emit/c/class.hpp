@@ -30,8 +30,8 @@ public:
     template <int Size>
     using Vector = Matrix<Size, 1>;
     /// A matrix by rows.
-    template <int Rows, int Columns>
-    using RowMatrix = Eigen::Matrix<Scalar, Rows, Columns, Eigen::DontAlign | Eigen::RowMajor>;
+    template <int Rows, int Cols>
+    using RowMatrix = Eigen::Matrix<Scalar, Rows, Cols, Eigen::DontAlign | Eigen::RowMajor>;
     using Rotation = Eigen::Matrix<Scalar, 3, 3, Eigen::DontAlign | Eigen::RowMajor>;
     /// An argument: a vector, a map, a segment or an expression of this size.
     template <int Size>
