@@ -98,7 +98,7 @@ impl Tracer<'_> {
     }
 
     /// Returns the number of constrained rows of the robot.
-    fn rows(&self) -> usize {
+    pub(super) fn rows(&self) -> usize {
         self.model.constraints.iter().map(|constraint| constraint.rows.len()).sum()
     }
 

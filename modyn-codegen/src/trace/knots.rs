@@ -85,10 +85,8 @@ impl Tracer<'_> {
         let parameters = all.inputs(self.parameters.len());
         let given = nq + 2 * n + 1 + constraints.len() + parameters.len();
         debug_assert!(inputs_before_rows.is_none_or(|inputs| inputs == given));
-        let count = dense.rows.as_ref().map_or(0, |form| {
-            let rows: usize = form.blocks.iter().sum();
-            2 * rows * form.sides + 1
-        });
+        let rows = self.rows();
+        let count = inputs_before_rows.map_or(0, |_| 2 * rows * (1 + rows) + 1);
         let of_rows = all.inputs(count);
         let groups = [&q[..], &qd, &tau, &constraints, &parameters, &of_rows];
         let outputs = all.add(&dense.graph, &groups);
