@@ -18,6 +18,7 @@ import actuators
 import contacts
 import displacements
 import floors
+import gradients
 import hessians
 import loops
 import mechanisms
@@ -182,6 +183,7 @@ def files():
     for name in contacts.ROBOTS:
         yield f"{name}.json", lambda name=name: text(standing(name))
     yield "floors.json", lambda: json.dumps(floors.make(ROOT)) + "\n"
+    yield "gradients.json", lambda: json.dumps(gradients.make(ROOT)) + "\n"
     yield "actuated.json", lambda: json.dumps(actuated.make(ROOT)) + "\n"
     yield "actuators.json", lambda: json.dumps(actuators.make(ROOT)) + "\n"
     yield "soft_steps.json", lambda: json.dumps(soft_steps.make(ROOT)) + "\n"

@@ -24,6 +24,9 @@ use serde_json::Value;
 /// Of the largest velocity; the rest is MuJoCo's own tolerance.
 const TOLERANCE: f64 = 1e-8;
 
+/// Of the largest derivative.
+const GRADIENT_TOLERANCE: f64 = 1e-9;
+
 pub fn numbers(value: &Value) -> Vec<f64> {
     let values = value.as_array().expect("a list");
     values.iter().map(|x| x.as_f64().expect("a number")).collect()
@@ -258,6 +261,39 @@ fn steps_on_a_floor_are_those_of_mujoco() {
             let found = interpreted(&mut robot, Function::Step, &given);
             let expected = ["next_q", "next_qd"].map(|name| numbers(&state[name]));
             compare(&format!("{k}: {state}"), &found, &expected);
+        }
+    }
+}
+
+/// Robots of slides and hinges, whose tangent space is that of their coordinates.
+#[test]
+fn derivatives_on_a_floor_are_those_of_mjx() {
+    for (k, (model, file)) in floors("gradients.json").iter().enumerate() {
+        let mut robot = Interpreter::<f64>::new(model.clone());
+        for (state, expected) in list(&file["states"]).iter().enumerate() {
+            let [q, qd, tau] = ["q", "qd", "tau"].map(|name| numbers(&expected[name]));
+            let dt = vec![number(&file["step"])];
+            let given = [q, qd, tau, dt, vec![0.0; model.nv()], tight_settings(model)];
+            let results = interpreted(&mut robot, Function::StepDerivatives, &given);
+            // The matrices are the last results.
+            let rows = 2 * model.nv();
+            let [before_a, before_b] =
+                [3, 1].map(|blocks| results.len() - rows * blocks * model.nv());
+            for (name, start) in
+                [("dq", before_a), ("dqd", before_a + rows * model.nv()), ("dtau", before_b)]
+            {
+                let matrix: Vec<Vec<f64>> = list(&expected[name]).iter().map(numbers).collect();
+                let largest = matrix.concat().iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+                for (column, row) in (0..model.nv()).flat_map(|c| (0..rows).map(move |r| (c, r))) {
+                    let [found, expected] =
+                        [results[start + rows * column + row], matrix[row][column]];
+                    let error = (found - expected).abs() / largest;
+                    assert!(
+                        error <= GRADIENT_TOLERANCE,
+                        "{k}, {state}, {name} {row} {column}: {found} {expected}"
+                    );
+                }
+            }
         }
     }
 }

@@ -9,8 +9,8 @@ use modyn_codegen::{Format, write};
 use crate::command::outcome::{Failure, to_file, to_stderr};
 use crate::command::robot::Robot;
 
-/// Write a robot as a URDF or an MJCF: its links, joints, inertias, loops, contacts and shapes that
-/// touch the ground, and nothing else
+/// Write a robot as a URDF or an MJCF: its links, joints, inertias, loops, contacts, shapes that
+/// touch the ground, and actuators
 ///
 /// Reading the result again gives the same robot. Properties that the format cannot express are
 /// said on standard error and at the top of the result.

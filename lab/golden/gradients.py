@@ -1,0 +1,77 @@
+"""Derivatives of steps by MJX's forward mode: random robots on slides and hinges over a plane, with contacts of three to six components,
+both cones, joint limits, dry friction, damping, and a closed loop.
+"""
+
+import floors
+import jax
+import mujoco
+import numpy
+import standing
+from mujoco import mjx
+
+STEP = 0.002
+STATES = 3
+#: The largest difference between a step of MJX and a step of MuJoCo.
+AGREEMENT = 1e-9
+#: Kinds of geoms whose contacts with a plane MJX computes as MuJoCo does, by robot.
+KINDS = (("sphere", "capsule"), ("capsule", "ellipsoid"), ("sphere", "ellipsoid"), ("capsule", "sphere"))
+LOOP = 2
+
+
+def scene(rng, k):
+    """The text of a robot over a plane: a body on three slides and three hinges, and two limbs."""
+    axes = "1 0 0", "0 1 0", "0 0 1"
+    base = "".join(f'<joint type="{kind}" axis="{axis}" damping="0.1"/>' for kind in ("slide", "hinge") for axis in axes)
+    limbs = "".join(f"<body name='limb{i}' pos='{floors.numbers(rng.uniform(-0.2, 0.2, 3))}' {floors.turned(rng)}>"
+                    f"{floors.joint(rng)}{floors.geom(rng, kind)}</body>" for i, kind in enumerate(KINDS[k]))
+    floor = (f'<geom name="floor" type="plane" size="0 0 1" quat="{floors.numbers(standing.rotation(rng.normal(size=3), 0.3))}" '
+             f'contype="1" conaffinity="2" {floors.contact(rng)}/>')
+    cone = "elliptic" if k % 2 else "pyramidal"
+    loop = f'<equality><connect body1="limb0" body2="limb1" anchor="0.02 -0.03 0.05" {floors.softness(rng)}/></equality>' * (k == LOOP)
+    text = (f'<mujoco model="gradient {k}"><compiler angle="radian"/><option cone="{cone}" impratio="{floors.numbers(rng.uniform(0.5, 4))}" '
+            f'timestep="{STEP}"/><worldbody>{floor}<body name="base">{base}{floors.geom(rng, KINDS[k][0])}{limbs}</body></worldbody>'
+            f"{loop}</mujoco>")
+    # MJX has no elliptic cones without friction.
+    return text.replace('condim="1"', 'condim="3"')
+
+
+def steps(model):
+    """The end of a step, and its derivatives with respect to coordinates, velocities and forces, compiled."""
+    compiled = mjx.put_model(model)
+    start = mjx.put_data(model, mujoco.MjData(model))
+
+    def step(q, qd, tau):
+        end = mjx.step(compiled, start.replace(qpos=q, qvel=qd, qfrc_applied=tau))
+        return jax.numpy.concatenate([end.qpos, end.qvel])
+
+    return jax.jit(step), jax.jit(jax.jacfwd(step, argnums=(0, 1, 2)))
+
+
+def robot(rng, k):
+    text = scene(rng, k)
+    model = mujoco.MjModel.from_xml_string(text)
+    data = mujoco.MjData(model)
+    model.opt.tolerance, model.opt.ls_tolerance = 0.0, 1e-12
+    model.opt.iterations, model.opt.ls_iterations = 100, 50
+    step, derivatives = steps(model)
+    found = {"mjcf": text, "step": STEP, "states": []}
+    while len(found["states"]) < STATES:
+        mujoco.mj_resetData(model, data)
+        data.qpos[:] = rng.normal(size=model.nq) * 0.2
+        data.qvel[:] = rng.normal(size=model.nv)
+        data.qfrc_applied[:] = rng.normal(size=model.nv)
+        given = [numpy.array(x) for x in (data.qpos, data.qvel, data.qfrc_applied)]
+        mujoco.mj_step(model, data)
+        end = numpy.concatenate([data.qpos, data.qvel])
+        if data.ncon == 0 or numpy.abs(step(*given) - end).max() > AGREEMENT:
+            continue
+        names = "dq", "dqd", "dtau"
+        matrices = {name: numpy.array(matrix).tolist() for name, matrix in zip(names, derivatives(*given))}
+        found["states"].append({"q": given[0].tolist(), "qd": given[1].tolist(), "tau": given[2].tolist(), **matrices})
+    return found
+
+
+def make(_root):
+    jax.config.update("jax_enable_x64", True)
+    rng = numpy.random.default_rng(17)
+    return [robot(rng, k) for k in range(len(KINDS))]
