@@ -1,5 +1,5 @@
-"""Derivatives of steps by MJX's forward mode: random robots on slides and hinges over a plane, with contacts of three to six components,
-both cones, joint limits, dry friction, damping, and a closed loop.
+"""Derivatives of steps by MJX's forward mode: random robots on slides and hinges over a plane, with contacts of one to six components, joint
+limits, dry friction and damping. The cones are pyramids: with elliptic cones, derivatives of MJX 3.17.0 are NaN.
 """
 
 import floors
@@ -14,8 +14,7 @@ STATES = 3
 #: The largest difference between a step of MJX and a step of MuJoCo.
 AGREEMENT = 1e-9
 #: Kinds of geoms whose contacts with a plane MJX computes as MuJoCo does, by robot.
-KINDS = (("sphere", "capsule"), ("capsule", "ellipsoid"), ("sphere", "ellipsoid"), ("capsule", "sphere"))
-LOOP = 2
+KINDS = (("sphere", "capsule"), ("capsule", "ellipsoid"))
 
 
 def scene(rng, k):
@@ -26,13 +25,9 @@ def scene(rng, k):
                     f"{floors.joint(rng)}{floors.geom(rng, kind)}</body>" for i, kind in enumerate(KINDS[k]))
     floor = (f'<geom name="floor" type="plane" size="0 0 1" quat="{floors.numbers(standing.rotation(rng.normal(size=3), 0.3))}" '
              f'contype="1" conaffinity="2" {floors.contact(rng)}/>')
-    cone = "elliptic" if k % 2 else "pyramidal"
-    loop = f'<equality><connect body1="limb0" body2="limb1" anchor="0.02 -0.03 0.05" {floors.softness(rng)}/></equality>' * (k == LOOP)
-    text = (f'<mujoco model="gradient {k}"><compiler angle="radian"/><option cone="{cone}" impratio="{floors.numbers(rng.uniform(0.5, 4))}" '
+    return (f'<mujoco model="gradient {k}"><compiler angle="radian"/><option impratio="{floors.numbers(rng.uniform(0.5, 4))}" '
             f'timestep="{STEP}"/><worldbody>{floor}<body name="base">{base}{floors.geom(rng, KINDS[k][0])}{limbs}</body></worldbody>'
-            f"{loop}</mujoco>")
-    # MJX has no elliptic cones without friction.
-    return text.replace('condim="1"', 'condim="3"')
+            "</mujoco>")
 
 
 def steps(model):

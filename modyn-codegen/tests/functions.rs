@@ -136,7 +136,7 @@ fn derivatives_have_names_of_one_rule() {
                 Some(("hess", _)) => &["_hessian"],
                 Some(("tangent", _)) => &["_jvp"],
                 Some((_, by)) if by.strip_prefix('d').is_some_and(|x| variables.contains(&x)) => {
-                    &["_derivatives", "generalized_forces", "generalized_forces_local"]
+                    &["_derivatives", "knot", "generalized_forces", "generalized_forces_local"]
                 }
                 _ => {
                     let variable = name.strip_prefix('d').unwrap_or_default();
