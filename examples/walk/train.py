@@ -1,6 +1,6 @@
 """Trains the quadruped to walk by PPO (Schulman et al. 2017), with one compiled program per iteration.
 
-    python examples/walk/train.py --minutes 5 --out policy.npz
+    python examples/walk/train.py --steps 30e6 --out policy.npz
     python examples/walk/train.py --check          # a short training, whose return has to rise
 """
 
@@ -197,7 +197,7 @@ def show(progress, seconds, steps):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--minutes", type=float, default=5.0, help="the time after compilation")
+    parser.add_argument("--steps", type=float, default=30e6, help="the control steps of all worlds together")
     parser.add_argument("--worlds", type=int, default=1024)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--out", default="policy.npz", help="the file of the policy")
@@ -216,7 +216,8 @@ def main():
     learner, progress = jax.block_until_ready(iterate(learner))
     print(f"compiled in {time.perf_counter() - began:.1f} s", flush=True)
     began, returns = time.perf_counter(), [float(progress.returns)]
-    while len(returns) <= CHECK if given.check else time.perf_counter() - began < 60 * given.minutes:
+    iterations = CHECK if given.check else round(given.steps / (given.worlds * HORIZON))
+    while len(returns) <= iterations:
         learner, progress = iterate(learner)
         returns.append(float(progress.returns))
         if len(returns) % 20 == 0:
