@@ -56,7 +56,7 @@ pub struct DifferenceDerivatives<M> {
 pub struct CentroidalMomentumDerivatives<H, M> {
     /// The momentum, kg m^2/s and kg m/s.
     pub momentum: H,
-    /// The time derivative of the momentum, N m and N.
+    /// The time derivative of the momentum, N and N m.
     pub rate: H,
     /// The derivatives of the momentum with respect to q, in tangent space.
     pub dmomentum_dq: M,
@@ -222,7 +222,7 @@ pub struct Knot<V, M, B> {
 pub struct ConstrainedKnot<V, W, M, B, D, T> {
     /// The velocities after the step, rad/s or m/s.
     pub qd: V,
-    /// The wrench on each constraint's link, N m and N.
+    /// The wrench on each constraint's link, N and N m.
     pub wrenches: W,
     /// The derivatives of the velocities with respect to q before the step, in tangent space, by
     /// rows.
@@ -283,7 +283,7 @@ pub struct StepHessian<Q, V, GradX, GradTau, HessXX, HessXTau, HessTauTau> {
 pub struct ConstrainedForwardDynamics<V, W, R, T> {
     /// The joint accelerations, rad/s^2 or m/s^2.
     pub qdd: V,
-    /// The wrench on each constraint's second link, N m and N; the opposite wrench acts on the
+    /// The wrench on each constraint's second link, N and N m; the opposite wrench acts on the
     /// first link. A contact's wrench acts on its link and is zero if the contact is not active. If
     /// rows are redundant, the wrenches minimize the sum of force^2 + (moment / l)^2 over all
     /// constraints, with the characteristic length l of each.
@@ -413,7 +413,7 @@ pub struct ConstrainedInverseDynamics<V, W, T> {
     /// The joint forces, N m or N. The joint forces of a floating base are the wrench on it that no
     /// contact can carry: zero within rounding if the contacts suffice.
     pub tau: V,
-    /// The wrench on each contact's link at its frame's origin in world axes, N m and N. The
+    /// The wrench on each contact's link at its frame's origin in world axes, N and N m. The
     /// wrenches of loop constraints, which come first, are zero.
     pub wrenches: W,
     /// The number of independent directions in which the contacts carry the bases, an integer.
@@ -441,7 +441,7 @@ pub struct OperationalSpaceInertia<R, T> {
 pub struct ConstrainedForwardDynamicsDerivatives<V, W, M, D, T> {
     /// The accelerations, rad/s^2 or m/s^2.
     pub qdd: V,
-    /// The wrench on each constraint's link, N m and N, in the axes of
+    /// The wrench on each constraint's link, N and N m, in the axes of
     /// [`ConstrainedForwardDynamics::wrenches`]. Its derivatives are the derivatives of its
     /// components.
     pub wrenches: W,
@@ -471,7 +471,7 @@ pub struct ConstrainedForwardDynamicsHessian<V, W, M, T> {
     /// The accelerations, rad/s^2 or m/s^2.
     pub qdd: V,
     /// The wrench on each loop constraint's second link, in the first frame's axes, and on each
-    /// contact's link, in world axes, N m and N.
+    /// contact's link, in world axes, N and N m.
     pub wrenches: W,
     /// The gradient with respect to q, in tangent space.
     pub grad_q: V,

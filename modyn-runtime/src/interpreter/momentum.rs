@@ -98,7 +98,7 @@ impl<S: Scalar> Interpreter<S> {
     }
 
     /// Returns the time derivative A qdd + A' qd of
-    /// [`centroidal_momentum`](Self::centroidal_momentum) in world axes, N m and N: the wrench
+    /// [`centroidal_momentum`](Self::centroidal_momentum) in world axes, N and N m: the wrench
     /// about the centre of mass of gravity and of all forces from outside. At qdd = 0 it is the
     /// bias A' qd.
     ///

@@ -22,7 +22,7 @@ use crate::spatial::{Field, Momentum, SpatialAxis, Twist, Vector3, Wrench};
 pub struct CentroidalOutputs<'a, S> {
     /// The momentum, kg m^2/s and kg m/s.
     pub momentum: &'a mut Momentum<S>,
-    /// The time derivative of the momentum, N m and N.
+    /// The time derivative of the momentum, N and N m.
     pub rate: &'a mut Momentum<S>,
     /// The derivatives of the momentum by the coordinates.
     pub dmomentum_dq: &'a mut [Momentum<S>],

@@ -113,7 +113,7 @@ pub fn centroidal_momentum<S: Scalar>(
 }
 
 /// Returns the time derivative A qdd + A' qd of the momentum of the moving links about their centre
-/// of mass, in world axes, N m and N: the wrench of gravity and of all forces from outside.
+/// of mass, in world axes, N and N m: the wrench of gravity and of all forces from outside.
 ///
 /// The Newton-Euler equations without gravity, from the world to the links. At qdd = 0 it is the
 /// bias A' qd.

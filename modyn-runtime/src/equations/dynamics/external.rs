@@ -6,7 +6,7 @@ use crate::equations::kinematics::kinematic_path;
 use crate::mechanism::Mechanism;
 use crate::spatial::{Matrix3, Vector3, Wrench};
 
-/// External wrenches, N m and N: one for each link of the description, fixed links included, in the
+/// External wrenches, N and N m: one for each link of the description, fixed links included, in the
 /// description's order. Each wrench acts at its link's origin.
 #[derive(Clone, Copy, Debug)]
 pub enum Forces<'a, S> {
