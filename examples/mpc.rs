@@ -39,10 +39,24 @@ fn step(&[q0, q1, v0, v1]: &Vector<4>, tau: &Vector<2>) -> Vector<4> {
     [next.q[0], next.q[1], next.qd[0], next.qd[1]]
 }
 
-/// The derivatives A and B of the step.
-fn linearized_step(&[q0, q1, v0, v1]: &Vector<4>, tau: &Vector<2>) -> (Matrix<4, 4>, Matrix<4, 2>) {
-    let found = Pendulum::step_semi_implicit_derivatives(&[q0, q1], &[v0, v1], tau, DT);
-    (transposed(&found.a), transposed(&found.b))
+/// The derivatives of a step.
+struct LinearStep {
+    /// With respect to the state.
+    a: Matrix<4, 4>,
+    /// With respect to the torques.
+    b: Matrix<4, 2>,
+}
+
+fn linearized_step(&[q0, q1, v0, v1]: &Vector<4>, tau: &Vector<2>) -> LinearStep {
+    let step = Pendulum::step_semi_implicit_derivatives(&[q0, q1], &[v0, v1], tau, DT);
+    // modyn's matrices are arrays of columns.
+    LinearStep { a: transposed(&step.a), b: transposed(&step.b) }
+}
+
+/// How the torques of a step change: by `change`, and by `feedback` times the deviation of the state.
+struct Correction {
+    change: Vector<2>,
+    feedback: Matrix<2, 4>,
 }
 
 fn error(x: &Vector<4>) -> Vector<4> {
@@ -73,48 +87,54 @@ fn improve(start: &Vector<4>, torques: &mut Vec<Vector<2>>) -> f64 {
     let mut v = error(&states[STEPS]).map(|e| FINAL * e);
     let mut w: Matrix<4, 4> =
         core::array::from_fn(|i| core::array::from_fn(|j| if i == j { FINAL } else { 0.0 }));
-    let mut gains = Vec::new();
+    let mut corrections = Vec::new();
     for (x, tau) in states.iter().zip(&*torques).rev() {
-        let (a, b) = linearized_step(x, tau);
-        let (at, bt, wa) = (transposed(&a), transposed(&b), product(&w, &a));
-        let (mut qx, mut qu) = (apply(&at, &v), apply(&bt, &v));
-        let (mut qxx, mut quu) = (product(&at, &wa), product(&bt, &product(&w, &b)));
-        let qux = product(&bt, &wa);
+        let LinearStep { a, b } = linearized_step(x, tau);
+        let a_transposed = transposed(&a);
+        let b_transposed = transposed(&b);
+        let w_a = product(&w, &a);
+        let mut grad_x = apply(&a_transposed, &v);
+        let mut grad_u = apply(&b_transposed, &v);
+        let mut hess_xx = product(&a_transposed, &w_a);
+        let hess_ux = product(&b_transposed, &w_a);
+        let mut hess_uu = product(&b_transposed, &product(&w, &b));
         for (i, e) in error(x).into_iter().enumerate() {
-            qx[i] += RUNNING * e;
-            qxx[i][i] += RUNNING;
+            grad_x[i] += RUNNING * e;
+            hess_xx[i][i] += RUNNING;
         }
         for (i, tau) in tau.iter().enumerate() {
-            qu[i] += EFFORT * tau;
-            quu[i][i] += EFFORT;
+            grad_u[i] += EFFORT * tau;
+            hess_uu[i][i] += EFFORT;
         }
-        let determinant = quu[0][0] * quu[1][1] - quu[0][1] * quu[1][0];
-        let inverse = [[quu[1][1], -quu[0][1]], [-quu[1][0], quu[0][0]]];
-        let negative_inverse = inverse.map(|row| row.map(|x| -x / determinant));
-        let change = apply(&negative_inverse, &qu);
-        let feedback = product(&negative_inverse, &qux);
-        let xu = transposed(&qux);
-        let (dv, dw) = (apply(&xu, &change), product(&xu, &feedback));
-        v = core::array::from_fn(|i| qx[i] + dv[i]);
-        w = core::array::from_fn(|i| core::array::from_fn(|j| qxx[i][j] + dw[i][j]));
-        gains.push((change, feedback));
+        let [[p, q], [r, s]] = hess_uu;
+        let determinant = p * s - q * r;
+        let negative_inverse = [[-s, q], [r, -p]].map(|row| row.map(|x| x / determinant));
+        let change = apply(&negative_inverse, &grad_u);
+        let feedback = product(&negative_inverse, &hess_ux);
+        let hess_xu = transposed(&hess_ux);
+        let dv = apply(&hess_xu, &change);
+        let dw = product(&hess_xu, &feedback);
+        v = core::array::from_fn(|i| grad_x[i] + dv[i]);
+        w = core::array::from_fn(|i| core::array::from_fn(|j| hess_xx[i][j] + dw[i][j]));
+        corrections.push(Correction { change, feedback });
     }
-    gains.reverse();
+    corrections.reverse();
 
     // The forward pass: the longest step that lowers the cost.
     for halvings in 0..12 {
         let length = 0.5_f64.powi(halvings);
-        let (mut x, mut found) = (*start, Vec::new());
-        for (k, (change, feedback)) in gains.iter().enumerate() {
-            let off: Vector<4> = core::array::from_fn(|i| x[i] - states[k][i]);
-            let correction = apply(feedback, &off);
-            let tau = core::array::from_fn(|i| torques[k][i] + length * change[i] + correction[i]);
+        let mut x = *start;
+        let mut tried = Vec::new();
+        for (k, Correction { change, feedback }) in corrections.iter().enumerate() {
+            let deviation: Vector<4> = core::array::from_fn(|i| x[i] - states[k][i]);
+            let by_state = apply(feedback, &deviation);
+            let tau = core::array::from_fn(|i| torques[k][i] + length * change[i] + by_state[i]);
             x = step(&x, &tau);
-            found.push(tau);
+            tried.push(tau);
         }
-        let after = cost(&roll_out(start, &found), &found);
+        let after = cost(&roll_out(start, &tried), &tried);
         if after < before {
-            *torques = found;
+            *torques = tried;
             return after;
         }
     }

@@ -1,4 +1,4 @@
-"""A quadruped that learns to walk: many worlds as functions of JAX on modyn's steps. Leading axes are those of worlds.
+"""A quadruped that learns to walk: many worlds as functions of JAX on modyn's steps. The leading axis counts worlds.
 
 The methods `worlds`, `reset`, `step` and `observe` of `Walk` keep no state, so JAX can compile and scan them.
 """
@@ -20,6 +20,8 @@ FEET = [f"{end}_{side}_foot" for end in ("front", "hind") for side in ("left", "
 CONTROL, STEPS = 0.02, 5
 #: The tolerance of the solver in training, relative to the weight and the largest force; with dry friction, 1e-4 takes twice as long.
 TOLERANCE = 5e-3
+#: The radius of a foot, m.
+RADIUS = 0.016
 #: The offset of the targets from the posture for an action of 1, rad; the height of the trunk (m) that is rewarded.
 ACTION, HEIGHT = 0.4, 0.24
 #: The frequency of the trot (Hz), the part of its period at which each foot begins to swing, and how high a foot is lifted (m).
@@ -160,7 +162,7 @@ class Walk:
         return State(q, qd, jnp.zeros_like(qd), feet, zeros(3), zeros(12), zeros(), jnp.zeros(len(q), int))
 
     def feet(self, q, qd, forces):
-        heights = jnp.stack([pose(q).translation[..., 2] for pose in self.poses], -1) - 0.016
+        heights = jnp.stack([pose(q).translation[..., 2] for pose in self.poses], -1) - RADIUS
         return Feet(heights, jnp.stack([velocity(q, qd)[..., :2] for velocity in self.velocities], -2), forces)
 
     def reset(self, key, worlds):
@@ -193,7 +195,7 @@ class Walk:
         return after, forces > 0
 
     def observe(self, worlds, state, key=None):
-        """Returns the observations, that of the actor with noise if there is a key."""
+        """Returns the observations. If there is a key, the actor's has noise."""
         clock = 2 * jnp.pi * state.phase[:, None]
         measured = [state.qd[:, 3:6], down(state.q), state.q[:, 7:] - self.stand[7:], state.qd[:, 6:]]
         known = [state.command, state.action, jnp.sin(clock), jnp.cos(clock)]

@@ -1,4 +1,4 @@
-"""Walks with a trained policy in MuJoCo, on the same file: whether the motion is that of modyn, and which velocities are reached.
+"""Walks with a trained policy in MuJoCo, on the same file: whether modyn's motion is the same, and which velocities are reached.
 
     python examples/walk/evaluate.py policy.npz --animation walk.html
 """

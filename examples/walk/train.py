@@ -74,7 +74,7 @@ class Progress(NamedTuple):
 
 
 def network(key, sizes, scale):
-    """Returns the layers of a network with orthogonal weights, those of the last layer times `scale`."""
+    """Returns the layers of a network with orthogonal weights. The weights of the last layer are multiplied by `scale`."""
     scales = [2**0.5] * (len(sizes) - 2) + [scale]
     keys = jax.random.split(key, len(scales))
     weights = [jax.nn.initializers.orthogonal(s)(k, shape) for k, s, shape in zip(keys, scales, zip(sizes, sizes[1:]))]

@@ -70,7 +70,8 @@ pub fn close_loops(
     let mut interpreter = Interpreter::<f64>::new(model.clone());
     let settings = settings_of(model);
     let inactive = vec![false; model.contacts().len()];
-    let [mut step_q, mut step_qd] = [(); 2].map(|()| vec![0.0; qd.len()]);
+    let mut step_q = vec![0.0; qd.len()];
+    let mut step_qd = vec![0.0; qd.len()];
     for _ in 0..PROJECTIONS {
         let outputs = ProjectionOutputs { step_q: &mut step_q, step_qd: &mut step_qd };
         interpreter

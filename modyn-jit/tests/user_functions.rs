@@ -50,7 +50,8 @@ fn machine_code_gives_the_numbers_of_the_function() {
         let mut robot = Interpreter::<f64>::new(model);
         let mut random = random::Random::new(seed);
         let mut numbers = || (0..n).map(|_| random.between(-1.0, 1.0)).collect::<Vec<f64>>();
-        let [dq, dqd] = [(); 2].map(|()| numbers());
+        let dq = numbers();
+        let dqd = numbers();
         let mut at = |step: f64| {
             let along = |x: &[f64]| x.iter().map(|x| step * x).collect::<Vec<f64>>();
             let mut moved = q.clone();

@@ -247,6 +247,15 @@ pub struct ConstrainedKnot<V, W, M, B, D, T> {
     pub rank: T,
 }
 
+impl<V, W, M, B, D, T> ConstrainedKnot<V, W, M, B, D, T> {
+    /// Returns the step and its derivatives, without the wrenches.
+    #[must_use]
+    pub fn knot(self) -> Knot<V, M, B> {
+        let Self { qd, dqd_dq, dqd_dqd, dqd_dtau, dq_dq, dq_dv, .. } = self;
+        Knot { qd, dqd_dq, dqd_dqd, dqd_dtau, dq_dq, dq_dv }
+    }
+}
+
 /// The state after a time step, and the gradients and the Hessian of state_cotangent^T state, in
 /// tangent space.
 ///

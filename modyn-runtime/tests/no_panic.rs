@@ -179,7 +179,8 @@ fn call(interpreter: &mut Interpreter<f64>, dice: &mut Dice) {
     for _ in 0..6 {
         let (q, other) = (vector(nq), vector(nq));
         let [qd, qdd, tau] = [(); 3].map(|()| vector(nv));
-        let [mut a, mut b] = [(); 2].map(|()| vector(nv));
+        let mut a = vector(nv);
+        let mut b = vector(nv);
         let [mut c, mut d, mut e] = [(); 3].map(|()| vector(nv * nv));
         let mut moved = vector(nq);
         let mut regressor = vector(nv * 10 * model.links().len());

@@ -89,7 +89,8 @@ fn point(model: &Model, seed: u64, active: Vec<bool>, wrenches: f64) -> Point {
     let (alpha, beta) = (1.5, 2.5);
     let settings = ConstraintSettings { alpha, beta, tolerance, rounding, targets };
     let wrench = |random: &mut Random| {
-        let [force, moment] = [(); 2].map(|()| three(random).map(|x| wrenches * x));
+        let force = three(random).map(|x| wrenches * x);
+        let moment = three(random).map(|x| wrenches * x);
         Wrench { force: force.into(), moment: moment.into() }
     };
     Point {

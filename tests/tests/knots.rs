@@ -77,8 +77,8 @@ impl Knot {
             let mut moved = self.moved(model, 1, &by);
             if k < n {
                 let unit: Vec<f64> = (0..n).map(|i| if i == k { 1.0 } else { 0.0 }).collect();
-                let own = self.moved(model, 0, &unit);
-                moved.iter_mut().zip(own).for_each(|(x, own)| *x += own);
+                let by_start = self.moved(model, 0, &unit);
+                moved.iter_mut().zip(by_start).for_each(|(x, change)| *x += change);
             }
             [moved, column].concat()
         };
@@ -109,8 +109,8 @@ fn slope(
     (0..a.len()).map(|i| (8.0 * (a[i] - b[i]) - (c[i] - d[i])) / (12.0 * step)).collect()
 }
 
-/// Robots with joints of all types: the blocks are those of A and B, and the velocities those of a
-/// step.
+/// Robots with joints of all types: the blocks are parts of A and B of `step_semi_implicit_derivatives`, and
+/// the velocities are the same.
 #[test]
 fn knots_are_a_and_b_in_blocks() {
     let zoo = (0..12).map(|seed| random::mixed_zoo(seed, 2 + usize::try_from(seed % 6).unwrap()));
@@ -218,8 +218,8 @@ fn knots_with_contacts_are_differences_of_the_constrained_step() {
         let (of_state, of_wrenches) = slope.split_at(2 * n);
         assert_close("state", column, of_state, 1e-6);
         let of_feet = (0..3).map(|foot| &changes[k / n][foot * n + k % n]);
-        let found: Vec<f64> = of_feet.flat_map(Wrench::components).collect();
-        assert_close("wrenches", &found, of_wrenches, 1e-6);
+        let by_knot: Vec<f64> = of_feet.flat_map(Wrench::components).collect();
+        assert_close("wrenches", &by_knot, of_wrenches, 1e-6);
     }
 }
 
@@ -256,18 +256,18 @@ fn arguments(planning: &Planning, active: &[f64]) -> Vec<Vec<f64>> {
 }
 
 /// Compares results of a layout, each field with the scale of its largest number.
-fn compare(shape: &Shape, found: &[f64], expected: &[f64], what: &str) {
+fn compare(shape: &Shape, results: &[f64], expected: &[f64], what: &str) {
     let Shape::Record(_, fields) = shape else { panic!("a record") };
     let mut first = 0;
     for (name, field) in fields {
         let place = first..first + field.len();
         first = place.end;
         let scale = expected[place.clone()].iter().fold(1.0_f64, |most, x| most.max(x.abs()));
-        for (a, b) in found[place.clone()].iter().zip(&expected[place]) {
+        for (a, b) in results[place.clone()].iter().zip(&expected[place]) {
             assert!((a - b).abs() < 1e-10 * scale, "{what}, {name}: {a} instead of {b}");
         }
     }
-    assert_eq!(first, found.len());
+    assert_eq!(first, results.len());
 }
 
 /// Returns the results of the programs of a function: on scalars, and packed.

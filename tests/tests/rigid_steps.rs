@@ -248,8 +248,8 @@ fn quantile(numbers: &[f64], share: f64) -> f64 {
     sorted[(share * (sorted.len() - 1) as f64) as usize]
 }
 
-/// `cargo test -p modyn-tests --test tests rigid_contacts -- --nocapture` prints the table of
-/// docs/contacts.md.
+/// `cargo test -p modyn-tests --test tests rigid_contacts -- --nocapture` prints the numbers of
+/// docs/data/rigid-contacts.tsv.
 #[test]
 fn rigid_contacts_are_near_complementarity_and_coulombs_law() {
     for (name, legged) in [("quadruped", Legged::quadruped()), ("humanoid", Legged::humanoid())] {

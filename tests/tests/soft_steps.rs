@@ -265,7 +265,7 @@ fn steps_on_a_floor_are_those_of_mujoco() {
     }
 }
 
-/// Robots of slides and hinges, whose tangent space is that of their coordinates.
+/// The robots have only slides and hinges, so a change of coordinates is a vector of the tangent space.
 #[test]
 fn derivatives_on_a_floor_are_those_of_mjx() {
     for (k, (model, file)) in floors("gradients.json").iter().enumerate() {

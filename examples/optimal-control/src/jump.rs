@@ -152,9 +152,7 @@ impl Problem for Jump {
             QuadrupedContacts::ALL,
             &Settings::DEFAULT,
         );
-        let modyn::ConstrainedKnot { qd, dqd_dq, dqd_dqd, dqd_dtau, dq_dq, dq_dv, .. } = found;
-        let knot = modyn::Knot { qd, dqd_dq, dqd_dqd, dqd_dtau, dq_dq, dq_dv };
-        let [a, b] = state_matrices(&knot, dt);
+        let [a, b] = state_matrices(&found.knot(), dt);
         let residuals = Self::residuals(x, u, &found.wrenches.map(|wrench| wrench.force.0));
         for foot in 0..4 {
             for (face, normal) in FACES.iter().enumerate() {

@@ -218,12 +218,13 @@ pub(super) fn docs_of_record(name: &str) -> Option<&'static str> {
     })
 }
 
-/// Returns the numbers of rows and columns of a matrix.
+/// Returns the numbers of rows and columns of a matrix, or of each matrix of an array.
 fn size(shape: &Shape) -> Option<String> {
     match shape {
         Shape::Array(column, columns, Elements::Columns) => {
             Some(format!("{} x {columns}, by columns", column.len()))
         }
+        Shape::Array(row, rows, Elements::Rows) => Some(format!("{rows} x {}, by rows", row.len())),
         Shape::Array(matrix, ..) => size(matrix),
         _ => None,
     }

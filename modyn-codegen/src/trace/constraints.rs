@@ -411,7 +411,8 @@ impl Unknowns {
                 [after, impulses.collect(), vec![rank]]
             }
             Self::Steps => {
-                let [mut step_q, mut step_qd] = [vector(), vector()];
+                let mut step_q = vector();
+                let mut step_qd = vector();
                 let outputs = ProjectionOutputs { step_q: &mut step_q, step_qd: &mut step_qd };
                 let solve = constraints::project_constraints;
                 let rank = solve(tree, layout, state, constraints, workspaces, outputs);

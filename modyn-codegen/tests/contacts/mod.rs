@@ -821,7 +821,8 @@ fn the_operational_space_inertia_is_the_inverse_of_what_the_dense_solution_says(
         let mut settings = settings.clone();
         settings.targets.iter_mut().for_each(|target| target.compliance = 0.02);
         let rows = model.constraint_rows();
-        let [mut delassus, mut inertia] = [(); 2].map(|()| vec![0.0; rows * rows]);
+        let mut delassus = vec![0.0; rows * rows];
+        let mut inertia = vec![0.0; rows * rows];
         let into =
             OperationalSpaceInertiaOutputs { delassus: &mut delassus, inertia: &mut inertia };
         let rank = interpreter.operational_space_inertia(&state.q, active, &settings, into);
@@ -927,7 +928,8 @@ fn what_gets_compiled_of_the_other_functions_is_what_the_interpreter_computes() 
         let graph = optimize(tracer.evaluation(Function::ConstraintJacobianDotQd, model, None));
         assert_near(&graph.evaluate(&[&*state.q, &state.qd].concat()), &expected, 1e-11);
 
-        let [mut delassus, mut inertia] = [(); 2].map(|()| vec![0.0; rows * rows]);
+        let mut delassus = vec![0.0; rows * rows];
+        let mut inertia = vec![0.0; rows * rows];
         let into =
             OperationalSpaceInertiaOutputs { delassus: &mut delassus, inertia: &mut inertia };
         let rank =

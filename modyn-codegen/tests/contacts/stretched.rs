@@ -100,7 +100,8 @@ fn assert_all_finite(model: &Model, state: &State, settings: &Settings, rank: f6
     let into = ConstrainedInverseOutputs { tau: &mut a, wrenches: &mut wrenches };
     interpreter.constrained_inverse_dynamics(motion, &active, settings, into).expect("fits");
     assert_finite(&[a, components(&wrenches)].concat());
-    let [mut delassus, mut inertia] = [(); 2].map(|()| vec![0.0; rows * rows]);
+    let mut delassus = vec![0.0; rows * rows];
+    let mut inertia = vec![0.0; rows * rows];
     let into = OperationalSpaceInertiaOutputs { delassus: &mut delassus, inertia: &mut inertia };
     let found =
         interpreter.operational_space_inertia(&state.q, &active, settings, into).expect("fits");

@@ -185,7 +185,8 @@ fn difference(found: &Solution, expected: &Solution) -> f64 {
 /// Projects to the closed loops; returns the rank of the last step.
 fn project(model: &Model, q: &mut [f64], qd: &mut [f64], steps: usize) -> usize {
     let mut interpreter = Interpreter::new(model.clone());
-    let [mut step_q, mut step_qd] = [(); 2].map(|()| vec![0.0; qd.len()]);
+    let mut step_q = vec![0.0; qd.len()];
+    let mut step_qd = vec![0.0; qd.len()];
     let mut rank = 0.0;
     for _ in 0..steps {
         let into = ProjectionOutputs { step_q: &mut step_q, step_qd: &mut step_qd };

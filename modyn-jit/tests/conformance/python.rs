@@ -102,6 +102,10 @@ def take(*axes):
     return own.reshape(states, *axes)
 
 
+def joined(array, outer):
+    return array.reshape(*array.shape[:outer], int(np.prod(array.shape[outer:])))
+
+
 def call(name, arguments, *link, flat):
     function = getattr(robot, name)
     one = lambda i: flat(function(*(argument[i] for argument in arguments), *link))
@@ -122,17 +126,14 @@ fn axes(shape: &Shape) -> String {
 
 /// Returns an expression for the numbers of a result with this layout, after this number of axes.
 fn flat(value: &str, shape: &Shape, outer: usize) -> String {
-    let joined = |array: &str| format!("{array}.reshape(*{array}.shape[:{outer}], -1)");
+    let joined = |array: &str| format!("joined({array}, {outer})");
     match shape {
         Shape::Scalar => format!("np.array({value})[..., None]"),
         Shape::Array(inner, _, Elements::Columns) if inner.is_vector() => {
             joined(&format!("{value}.swapaxes(-1, -2)"))
         }
         Shape::Array(inner, ..) if **inner == Shape::Scalar || inner.is_vector() => joined(value),
-        Shape::Array(inner, ..) => {
-            let inner = flat(value, inner, outer + 1);
-            format!("(lambda y: {})({inner})", joined("y"))
-        }
+        Shape::Array(inner, ..) => joined(&flat(value, inner, outer + 1)),
         Shape::Record(record, fields) if record.result_type().is_some() => {
             let fields =
                 fields.iter().map(|(name, shape)| flat(&format!("{value}.{name}"), shape, outer));

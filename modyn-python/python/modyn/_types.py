@@ -94,7 +94,7 @@ def of_fields(named: Sequence[tuple[str, Any]], dtype: DTypeLike, library: Any =
 @dataclass
 class ContactTarget:
     """The frame in the world that a contact holds its link's frame to; by default the plane z = 0, at rest and rigid. As in all
-    settings, a field can have leading axes, those of states: `alpha` of the shape (n,) has a number for each of n states."""
+    settings, a field can have leading axes, which count states: `alpha` of the shape (n,) has a number for each of n states."""
 
     rotation: ArrayLike = field(default_factory=lambda: np.eye(3))
     """(3, 3): the columns are the target's axes in the world; z is the normal"""
@@ -149,7 +149,7 @@ class ConstraintSettings:
 @dataclass
 class ContactSurface:
     """The surfaces of a contact of `step`: a plane, and the rounding of the shape that touches it. Defaults are MuJoCo's. A
-    field can have leading axes, those of states: `friction` of the shape (n,) has a coefficient for each of n states."""
+    field can have leading axes, which count states: `friction` of the shape (n,) has a coefficient for each of n states."""
 
     rotation: ArrayLike = field(default_factory=lambda: np.eye(3))
     """(3, 3): the columns are the plane's axes in the world; z is the normal"""

@@ -136,23 +136,20 @@ impl<S: Scalar> Interpreter<S> {
         settings: &ConstraintSettings<S, impl AsRef<[ContactTarget<S>]>>,
         outputs: ConstrainedKnotOutputs<'_, S>,
     ) -> S {
-        let ConstrainedKnotOutputs { knot, wrenches, .. } = outputs;
-        let ConstrainedKnotOutputs { dwrenches_dq, dwrenches_dqd, dwrenches_dtau, .. } = outputs;
-        let KnotOutputs { qd, dqd_dq, dqd_dqd, dqd_dtau, dq_dq, dq_dv } = knot;
+        let knot = outputs.knot;
         let derivatives = ConstrainedDerivatives {
-            qdd: &mut *qd,
-            wrenches,
-            dqdd_dq: &mut *dqd_dq,
-            dqdd_dqd: &mut *dqd_dqd,
-            dqdd_dtau: &mut *dqd_dtau,
-            dwrenches_dq,
-            dwrenches_dqd,
-            dwrenches_dtau,
+            qdd: &mut *knot.qd,
+            wrenches: outputs.wrenches,
+            dqdd_dq: &mut *knot.dqd_dq,
+            dqdd_dqd: &mut *knot.dqd_dqd,
+            dqdd_dtau: &mut *knot.dqd_dtau,
+            dwrenches_dq: outputs.dwrenches_dq,
+            dwrenches_dqd: outputs.dwrenches_dqd,
+            dwrenches_dtau: outputs.dwrenches_dtau,
         };
         let rank = self.solve_derivatives(input.forward_input(), settings, derivatives);
         let Self { mechanism, steps, .. } = self;
         let memory = steps.get_or_insert_with(|| StepWorkspace::new(mechanism));
-        let knot = KnotOutputs { qd, dqd_dq, dqd_dqd, dqd_dtau, dq_dq, dq_dv };
         knot.complete(mechanism, input, memory);
         rank
     }

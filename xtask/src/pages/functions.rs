@@ -32,19 +32,20 @@ fn differentiated(function: Function) -> Option<Function> {
 /// Returns the results of a function with their shapes. The results of the differentiated function
 /// are not repeated.
 fn results(function: Function) -> String {
-    let all = python::shape_of_result(&function.row());
-    let of_derivatives = differentiated(function).and_then(|base| {
-        let fields = python::shape_of_result(&base.row());
-        let fields: Vec<&str> = fields.split(", `").collect();
-        let (of_base, others): (Vec<&str>, Vec<&str>) =
-            all.split(", `").partition(|field| fields.contains(field));
-        let others = others.join(", `");
-        (of_base.len() == fields.len()).then(|| format!("as `{}`; `{others}", base.name()))
-    });
-    match of_derivatives.unwrap_or(all) {
-        number if number == "a number" => number,
+    let without_one = |field: String| match &*field {
+        "a number" => field,
         named => named.replace(" a number", ""),
+    };
+    let all: Vec<String> =
+        python::results_of(&function.row()).into_iter().map(without_one).collect();
+    let Some(base) = differentiated(function) else { return all.join(", ") };
+    let repeated: Vec<String> =
+        python::results_of(&base.row()).into_iter().map(without_one).collect();
+    if repeated.iter().any(|field| !all.contains(field)) {
+        return all.join(", ");
     }
+    let others: Vec<String> = all.into_iter().filter(|field| !repeated.contains(field)).collect();
+    format!("as `{}`; {}", base.name(), others.join(", "))
 }
 
 /// Returns the table.

@@ -171,7 +171,9 @@ fn documentation(row: &Row) -> Vec<String> {
     }
     let result = match result(row) {
         Layout::Array(axes) => tuple(&axes),
-        Layout::Tuple(name, fields) => format!("`{name}`: {}", fields_with_shapes(&fields)),
+        Layout::Tuple(name, fields) => {
+            format!("`{name}`: {}", fields_with_shapes(&fields).join(", "))
+        }
     };
     let result = result + components(&(row.result)(&SIZES));
     lines.extend(wrap(&format!("Arguments: {}.", arguments.join("; ")), 92));
@@ -183,19 +185,19 @@ fn documentation(row: &Row) -> Vec<String> {
 }
 
 /// Returns the fields of a result, each with the lengths of its axes.
-fn fields_with_shapes(fields: &Fields) -> String {
+fn fields_with_shapes(fields: &Fields) -> Vec<String> {
     let field = |(field, layout): &(&str, Layout)| match layout {
         Layout::Array(axes) => format!("`{field}` {}", tuple(axes)),
         Layout::Tuple(..) => format!("`{field}`"),
     };
-    fields.iter().map(field).collect::<Vec<_>>().join(", ")
+    fields.iter().map(field).collect()
 }
 
-/// Returns the shape of a function's result, or the shapes of its fields.
-pub(super) fn shape_of_result(row: &Row) -> String {
+/// Returns the shape of a function's result, or each field with its shape.
+pub(super) fn results_of(row: &Row) -> Vec<String> {
     match result(row) {
-        _ if row.function == Function::Brge => "factors".into(),
-        Layout::Array(axes) => tuple(&axes),
+        _ if row.function == Function::Brge => vec!["factors".into()],
+        Layout::Array(axes) => vec![tuple(&axes)],
         Layout::Tuple(_, fields) => fields_with_shapes(&fields),
     }
 }

@@ -206,6 +206,14 @@ impl Arguments {
             let names: Vec<&str> = possible().map(|one| one.function.name()).collect();
             return Err(Failure::usage(format!("error: compared can be: {}", names.join(", "))));
         }
+        let Some(Functions(named)) = &self.functions else { return Ok(quantities) };
+        let is_compared = |function| quantities.iter().any(|one| one.function == function);
+        let left_out = named.iter().filter(|&&function| !is_compared(function));
+        let names: Vec<&str> = left_out.map(|function| function.name()).collect();
+        if !names.is_empty() {
+            let help = if self.rustc { "" } else { "; `--rustc` also compares `brge`" };
+            to_stderr(&format!("warning: not compared: {}{help}\n", names.join(", ")));
+        }
         Ok(quantities)
     }
 

@@ -50,10 +50,11 @@ impl Backend for C {
 /// What the numbers of all functions for C mean.
 pub(super) const CONVENTIONS: &str = "SI units, radians. Vectors are in the order of the description's joints, \
 depth first. Matrices are arrays of\n   \
-columns; `rotation[i][j]` of a pose is in row i and column j. Quaternions are x, y, z, w. Twists and\n   \
-the velocity of a floating joint are linear, then angular; wrenches are the force, then the moment. The\n   \
-velocity of a floating joint is in the axes of its link. Sets of contacts are numbers: 1 for an active\n   \
-contact, else 0. A struct has only numbers, and can be read as an array of them. Results must not overlap arguments.";
+columns, unless rows are named; `rotation[i][j]` of a pose is in row i and column j. Quaternions are\n   \
+x, y, z, w. Twists and the velocity of a floating joint are linear, then angular; wrenches are the\n   \
+force, then the moment. The velocity of a floating joint is in the axes of its link. Sets of contacts\n   \
+are numbers: 1 for an active contact, else 0. A struct has only numbers, and can be read as an array\n   \
+of them. Results must not overlap arguments.";
 
 /// An array of numbers.
 #[derive(Clone)]

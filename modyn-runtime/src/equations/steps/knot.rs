@@ -41,15 +41,13 @@ pub fn knot<S: Scalar>(
     memory: &mut StepWorkspace<S>,
     outputs: KnotOutputs<'_, S>,
 ) {
-    let KnotOutputs { qd, dqd_dq, dqd_dqd, dqd_dtau, dq_dq, dq_dv } = outputs;
     let derivatives = ForwardDerivatives {
-        qdd: &mut *qd,
-        dqdd_dq: &mut *dqd_dq,
-        dqdd_dqd: &mut *dqd_dqd,
-        dqdd_dtau: &mut *dqd_dtau,
+        qdd: &mut *outputs.qd,
+        dqdd_dq: &mut *outputs.dqd_dq,
+        dqdd_dqd: &mut *outputs.dqd_dqd,
+        dqdd_dtau: &mut *outputs.dqd_dtau,
     };
     forward_dynamics_derivatives(model, layout, input.forward_input(), workspace, derivatives);
-    let outputs = KnotOutputs { qd, dqd_dq, dqd_dqd, dqd_dtau, dq_dq, dq_dv };
     outputs.complete(model, input, memory);
 }
 

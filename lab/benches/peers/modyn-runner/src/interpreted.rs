@@ -22,7 +22,7 @@ pub struct Quantity {
     interpreter: Interpreter<f64>,
     function: Function,
     /// The active contacts and the settings, as numbers.
-    contacts: Vec<f64>,
+    active: Vec<f64>,
     settings: Vec<f64>,
     /// All numbers of the result.
     result: Vec<f64>,
@@ -43,7 +43,7 @@ impl Quantity {
         Self {
             compared: compared(&shape),
             result: vec![0.0; shape.len()],
-            contacts: vec![1.0; count],
+            active: vec![1.0; count],
             settings: settings.numbers().into_iter().chain(targets).collect(),
             interpreter,
             function,
@@ -57,7 +57,7 @@ impl Quantity {
             "qd" => qd,
             "tau" => tau,
             "qdd" => qdd,
-            "active" => &self.contacts,
+            "active" => &self.active,
             _ => &self.settings,
         };
         let row = self.function.row();
