@@ -2,14 +2,13 @@
 
 use std::collections::BTreeSet;
 
-use modyn_codegen::graph::dense::DenseGraph;
 use modyn_codegen::graph::{Expr, Graph};
 use modyn_codegen::passes::{balance, optimize};
 use modyn_codegen::plan::{Choices, LIMB_LIMITS, Plan, Sizes};
 use modyn_codegen::program::{
     Execution, Operand, ProductBlock, Products, Program, RowEquations, Source,
 };
-use modyn_codegen::trace::{LimbPacking, Tracer};
+use modyn_codegen::trace::{DenseLoops, LimbPacking, Tracer};
 use modyn_codegen::{
     Base, Builder, CodeForm, Contact, ContactKind, Function, LoopEnd, ReadOptions, read,
 };
@@ -60,19 +59,12 @@ fn same(graph: &Graph, program: &Program) {
 /// Derivatives and Hessians with products in loops, on scalars, columns in lanes and packed limbs.
 #[test]
 fn products_in_loops_agree_with_straight_line_code() {
-    type Trace<G> = fn(&Tracer<'_>, &UduLayout) -> G;
-    let functions: [(usize, Trace<Graph>, Trace<DenseGraph>); 2] = [
-        (
-            2,
-            |tracer, layout| tracer.forward_dynamics_derivatives(layout),
-            |tracer, layout| tracer.forward_dynamics_derivatives_by_products(layout),
-        ),
-        (
-            3,
-            |tracer, layout| tracer.forward_dynamics_hessian(layout),
-            |tracer, layout| tracer.forward_dynamics_hessian_by_products(layout),
-        ),
+    type Trace = fn(&Tracer<'_>, &UduLayout) -> Graph;
+    let functions: [(usize, Trace); 2] = [
+        (2, |tracer, layout| tracer.forward_dynamics_derivatives(layout)),
+        (3, |tracer, layout| tracer.forward_dynamics_hessian(layout)),
     ];
+    let products = DenseLoops { rows: None, products: true };
     for (name, base) in
         [("arm7", Base::Fixed), ("joint_zoo", Base::Fixed), ("quadruped", Base::Floating)]
     {
@@ -83,22 +75,20 @@ fn products_in_loops_agree_with_straight_line_code() {
         let limbs = limbs_of(&mechanism);
         assert_eq!(limbs.is_some(), name == "quadruped");
         let packed = limbs.as_ref().map(|limbs| tracer.packed(limbs));
-        for (vectors, straight, by_products) in functions {
+        for (vectors, trace) in functions {
             let arguments = model.nq() + vectors * n;
-            let (inputs, expected) = (inputs(arguments), optimize(straight(&tracer, &layout)));
+            let (inputs, expected) = (inputs(arguments), optimize(trace(&tracer, &layout)));
             let expected = expected.evaluate(&inputs);
             let scale = expected.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
-            let mut scalar = by_products(&tracer, &layout);
-            scalar.graph = optimize(scalar.graph);
+            let by_products = |tracer: &Tracer<'_>| trace(&tracer.with_loops(products), &layout);
+            let scalar = optimize(by_products(&tracer));
             let simd = [tracer.column_lanes(4)].into_iter().chain(packed.clone());
             let simd = simd.map(|tracer| {
-                let mut graph = by_products(&tracer, &layout).with_zeros_of(&scalar);
-                graph.graph = optimize(graph.graph);
-                (graph, Execution::Simd)
+                (optimize(by_products(&tracer).with_zeros_of(&scalar)), Execution::Simd)
             });
             let on_scalars = [Execution::Scalar, Execution::Batch].map(|way| (scalar.clone(), way));
             for (graph, execution) in on_scalars.into_iter().chain(simd) {
-                let program = Program::with_dense_parts(&graph, arguments, execution);
+                let program = Program::try_new(&graph, arguments, execution);
                 let program = program.expect("valid");
                 assert_eq!(program.to_string().parse(), Ok(program.clone()));
                 let products = program.products.as_ref().expect("products");
@@ -194,12 +184,12 @@ fn products_under_constraints_agree_with_straight_line_code() {
         let expected = graph.evaluate(&inputs);
         let scale = expected.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
         for (lanes, execution) in [(1, Execution::Scalar), (4, Execution::Simd)] {
-            let tracer = tracer.column_lanes(lanes);
-            let graph =
-                tracer.constrained_forward_dynamics_derivatives_by_products(&layout, arguments);
+            let loops = DenseLoops { rows: Some(arguments), products: true };
+            let tracer = tracer.column_lanes(lanes).with_loops(loops);
+            let graph = tracer.constrained_forward_dynamics_derivatives(&layout);
             // Some rows of a planar loop are dependent in all states.
-            assert_eq!(graph.rows.is_some(), name == "quadruped");
-            let program = Program::with_dense_parts(&graph, arguments, execution).expect("valid");
+            assert_eq!(graph.dense.rows.is_some(), name == "quadruped");
+            let program = Program::try_new(&graph, arguments, execution).expect("valid");
             assert_eq!(program.to_string().parse(), Ok(program.clone()));
             let found = program.evaluate(&inputs);
             assert_eq!(found.len(), expected.len());
@@ -232,8 +222,9 @@ fn invalid_products_are_found() {
     let model = robot("arm6");
     let mechanism = Mechanism::new(&model);
     let layout = UduLayout::new(&mechanism, &ModuleTree::links(&model));
-    let graph = Tracer::new(&mechanism).forward_dynamics_derivatives_by_products(&layout);
-    let program = Program::with_dense_parts(&graph, 18, Execution::Scalar).expect("valid");
+    let tracer = Tracer::new(&mechanism).with_loops(DenseLoops { rows: None, products: true });
+    let graph = tracer.forward_dynamics_derivatives(&layout);
+    let program = Program::try_new(&graph, 18, Execution::Scalar).expect("valid");
     let rule = |change: fn(&mut Products)| {
         let mut program = program.clone();
         change(program.products.as_mut().expect("products"));

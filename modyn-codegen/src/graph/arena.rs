@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use super::dense::DenseParts;
 use super::limit;
 use super::node::{Id, Node};
 use super::table::Table;
@@ -22,6 +23,8 @@ pub struct Graph {
     limit: usize,
     /// The nodes of the results.
     pub outputs: Vec<Id>,
+    /// The dense parts that are left to loops.
+    pub dense: DenseParts,
 }
 
 impl Default for Graph {
@@ -33,6 +36,7 @@ impl Default for Graph {
             has_lanes: false,
             limit: limit::of_new_graph(),
             outputs: Vec::new(),
+            dense: DenseParts::default(),
         }
     }
 }
@@ -284,6 +288,18 @@ impl Graph {
             }
             _ => self.insert(Node::ExtractLane(a, lane)),
         }
+    }
+
+    /// Returns the graph with zeros for the outputs that are zero in another one.
+    #[must_use]
+    pub fn with_zeros_of(mut self, other: &Self) -> Self {
+        let zero = self.constant(0.0);
+        for (output, &id) in self.outputs.iter_mut().zip(&other.outputs) {
+            if other.value(id) == Some(0.0) {
+                *output = zero;
+            }
+        }
+        self
     }
 
     /// Returns the node of a constant; the two zeros are the same node.

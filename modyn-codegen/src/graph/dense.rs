@@ -1,18 +1,14 @@
-//! Graphs with dense parts: products of matrices, and equations of constraint rows that may be
+//! The dense parts of graphs: products of matrices, and equations of constraint rows that may be
 //! dependent.
 
 use std::ops::Range;
 
-use super::Graph;
-
-/// A graph with dense parts. After the results, its outputs are the operands of the products, then
-/// the operands of the equations; after the arguments, its inputs are the results of the equations.
-#[derive(Clone, Debug)]
-pub struct DenseGraph {
-    /// The graph.
-    pub graph: Graph,
-    /// The form of equations of constraint rows, some of which may be dependent. `None` if some are
-    /// dependent in all states.
+/// The dense parts that a graph leaves to loops. After the results, the outputs of the graph are
+/// the operands of the products, then the operands of the equations; after the arguments, its
+/// inputs are the results of the equations.
+#[derive(Clone, Debug, Default)]
+pub struct DenseParts {
+    /// The form of equations of constraint rows, some of which may be dependent.
     pub rows: Option<RowForm>,
     /// The form of the products.
     pub products: Option<ProductForm>,
@@ -25,6 +21,15 @@ pub struct RowForm {
     pub blocks: Vec<usize>,
     /// The number of right-hand sides.
     pub sides: usize,
+}
+
+impl RowForm {
+    /// Returns the number of results of the equations: two for each row and right-hand side, and
+    /// the rank.
+    #[must_use]
+    pub fn results(&self) -> usize {
+        2 * self.sides * self.blocks.iter().sum::<usize>() + 1
+    }
 }
 
 /// The form of products of one matrix A with several matrices B, which are added to results. Its
@@ -88,19 +93,5 @@ impl ProductTarget {
     #[must_use]
     pub fn result(&self, row: usize, column: usize) -> usize {
         self.first + (row - self.rows.start) * self.by_row + column * self.by_column
-    }
-}
-
-impl DenseGraph {
-    /// Returns the graph with zeros for the outputs that are zero in another one.
-    #[must_use]
-    pub fn with_zeros_of(mut self, other: &Self) -> Self {
-        let zero = self.graph.constant(0.0);
-        for (output, &id) in self.graph.outputs.iter_mut().zip(&other.graph.outputs) {
-            if other.graph.value(id) == Some(0.0) {
-                *output = zero;
-            }
-        }
-        self
     }
 }

@@ -63,6 +63,7 @@ pub fn balance(graph: &Graph) -> Graph {
         ids.push(id);
     }
     rewritten.graph.outputs = graph.outputs.iter().map(|&id| ids[id as usize]).collect();
+    rewritten.graph.dense = graph.dense.clone();
     rewritten.graph
 }
 

@@ -51,6 +51,7 @@ fn round(graph: &Graph) -> (Graph, bool) {
         ids.push(id);
     }
     rewritten.outputs = graph.outputs.iter().map(|&id| ids[id as usize]).collect();
+    rewritten.dense = graph.dense.clone();
     (rewritten, changed)
 }
 

@@ -12,13 +12,14 @@ use modyn_runtime::quantities::Function;
 
 use super::code_form::CodeForm;
 use super::context::PlanContext;
-use super::functions::{Lowering, TraceDense};
+use super::functions::Lowering;
 use super::packing;
 use super::planned::Kernels;
-use crate::graph::dense::{DenseGraph, RowForm};
+use crate::graph::dense::{DenseParts, RowForm};
 use crate::graph::{Graph, is_exceeded};
 use crate::passes::optimize;
 use crate::program::{Execution, Program, ROW_LANES};
+use crate::trace::{DenseLoops, Tracer};
 
 /// The least number of multiplications of products for which they are loops unless the user chooses
 /// short code. A quadruped on four feet has 32,000: loops have half of the code, and take no
@@ -40,9 +41,14 @@ pub(super) fn of_constraints(
     context: &PlanContext<'_>,
     scalars: usize,
 ) -> Option<Kernels> {
-    let Lowering { rows: Some(rows), products, .. } = Lowering::of(function) else { return None };
-    let products = products.filter(|_| may_have_products(function, context));
-    products.into_iter().chain([rows]).find_map(|trace| kernels(function, context, scalars, trace))
+    let Lowering { has_rows: true, has_products, .. } = Lowering::of(function) else {
+        return None;
+    };
+    let with_products = has_products && may_have_products(function, context);
+    let choices = [with_products.then_some(true), Some(false)].into_iter().flatten();
+    choices
+        .map(|products| DenseLoops { rows: Some(scalars), products })
+        .find_map(|loops| kernels(function, context, scalars, loops))
 }
 
 /// Returns the programs of another function with products, or of its form for many states, if loops
@@ -54,13 +60,14 @@ pub(super) fn by_products(
     straight: (&Graph, Option<&Graph>),
     scalars: usize,
 ) -> Option<Kernels> {
-    let Lowering { rows: None, products: Some(trace), .. } = Lowering::of(function) else {
+    let Lowering { has_rows: false, has_products: true, .. } = Lowering::of(function) else {
         return None;
     };
     if !may_have_products(function, context) {
         return None;
     }
-    let kernels = kernels(function, context, scalars, trace)?;
+    let loops = DenseLoops { rows: None, products: true };
+    let kernels = kernels(function, context, scalars, loops)?;
     let Kernels::Straight { scalar, simd } = &kernels else { return None };
     let is_taken = if context.code == CodeForm::Looped {
         let looped = [Some(scalar), simd.as_ref()].into_iter().flatten();
@@ -86,41 +93,40 @@ fn may_have_products(function: Function, context: &PlanContext<'_>) -> bool {
     }
 }
 
-/// Returns the programs of a function with the dense parts that `trace` sets apart. `None` if there
-/// are none, and where straight-line code is taken.
+/// Returns the programs of a function that leaves these parts to loops. `None` if it has none of
+/// them, and where straight-line code is taken.
 fn kernels(
     function: Function,
     context: &PlanContext<'_>,
     scalars: usize,
-    trace: TraceDense,
+    loops: DenseLoops,
 ) -> Option<Kernels> {
     let is_straight =
         context.share_limbs || context.code == CodeForm::Unrolled && !context.machine_code;
     if is_straight || is_exceeded() {
         return None;
     }
-    let mut dense = trace(&context.tracer, context, scalars);
-    let has_products = match &dense.products {
+    let trace = |tracer: &Tracer<'_>| context.graph(function, &tracer.with_loops(loops));
+    let graph = trace(&context.tracer);
+    let DenseParts { rows, products } = &graph.dense;
+    let has_products = match products {
         Some(products) if products.rows < ROW_LANES => return None,
-        None if dense.rows.is_none() => return None,
+        None if rows.is_none() => return None,
         products => products.is_some(),
     };
     let is_long = |form: &RowForm| {
         let rows: usize = form.blocks.iter().sum();
         rows * rows * (rows + 4 * form.sides) > MAX_ANY_RANK
     };
-    if context.machine_code && dense.rows.as_ref().is_some_and(is_long) {
+    if context.machine_code && rows.as_ref().is_some_and(is_long) {
         return None;
     }
-    dense.graph = packing::balanced(optimize(dense.graph));
-    let program = |graph: Graph, execution| {
-        let parts = DenseGraph { graph, ..dense.clone() };
-        Program::with_dense_parts(&parts, scalars, execution).ok()
-    };
+    let graph = packing::balanced(optimize(graph));
+    let program = |graph: &Graph, execution| Program::try_new(graph, scalars, execution).ok();
     if function.batched().is_some() {
-        return program(dense.graph.clone(), Execution::Batch).map(Kernels::of);
+        return program(&graph, Execution::Batch).map(Kernels::of);
     }
-    let scalar = program(dense.graph.clone(), context.without_packs())?;
+    let scalar = program(&graph, context.without_packs())?;
     let is_short = scalar
         .products
         .as_ref()
@@ -128,14 +134,14 @@ fn kernels(
     if is_short && context.code != CodeForm::Looped {
         return None;
     }
-    let packed = packing::packed_by(function, context, &dense.graph, &|tracer| {
-        trace(tracer, context, scalars).with_zeros_of(&dense).graph
+    let packed = packing::packed_by(function, context, &graph, &|tracer| {
+        trace(tracer).with_zeros_of(&graph)
     });
     // Products are on vectors also where nothing else is.
     let is_simd = has_products && context.has_vectors();
-    let packed = packed.or_else(|| is_simd.then(|| dense.graph.clone()));
+    let packed = packed.or_else(|| is_simd.then(|| graph.clone()));
     let simd = match packed {
-        Some(packed) => Some(program(packed, Execution::Simd)?),
+        Some(packed) => Some(program(&packed, Execution::Simd)?),
         None => None,
     };
     Some(Kernels::Straight { scalar, simd })

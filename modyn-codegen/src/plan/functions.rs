@@ -7,7 +7,6 @@ use modyn_runtime::equations::dynamics::{
 use modyn_runtime::quantities::{Argument, ArgumentKind, Function, Shape, Sizes};
 
 use super::PlanContext;
-use crate::graph::dense::DenseGraph;
 use crate::graph::{Expr, Graph};
 use crate::trace::{Solvers, Tracer};
 
@@ -72,9 +71,6 @@ pub enum GraphSource {
     Step,
 }
 
-/// Returns a graph with dense parts, over this number of inputs.
-pub(super) type TraceDense = fn(&Tracer<'_>, &PlanContext<'_>, usize) -> DenseGraph;
-
 /// The way the compiler makes a function.
 #[derive(Clone, Copy)]
 pub struct Lowering {
@@ -84,10 +80,10 @@ pub struct Lowering {
     pub packing: Packing,
     /// The equations of one body, if they can run in loops over the bodies.
     pub recursion: Option<fn() -> BodyRecursion<Expr>>,
-    /// The graphs of independent constraint rows.
-    pub rows: Option<TraceDense>,
-    /// The graphs with products of matrices apart, and with independent constraint rows.
-    pub products: Option<TraceDense>,
+    /// Whether loops can solve the equations of dependent constraint rows.
+    pub has_rows: bool,
+    /// Whether loops can multiply its matrices.
+    pub has_products: bool,
     /// Other graphs of a function of one link, which share more with the graphs of other functions
     /// of a fused function.
     pub in_fused: Option<fn(&Tracer<'_>) -> Graph>,
@@ -101,8 +97,8 @@ impl Lowering {
         source: GraphSource::Evaluation,
         packing: Packing::Never,
         recursion: None,
-        rows: None,
-        products: None,
+        has_rows: false,
+        has_products: false,
         in_fused: None,
         c_form: CForm::SourceAndExport,
     };
@@ -123,13 +119,13 @@ impl Lowering {
     }
 
     /// Returns the lowering of a function whose constraint rows are independent in most states.
-    const fn rows(self, trace: TraceDense) -> Self {
-        Self { rows: Some(trace), ..self }
+    const fn rows(self) -> Self {
+        Self { has_rows: true, ..self }
     }
 
     /// Returns the lowering of a function whose products of matrices can be loops.
-    const fn products(self, trace: TraceDense) -> Self {
-        Self { products: Some(trace), ..self }
+    const fn products(self) -> Self {
+        Self { has_products: true, ..self }
     }
 
     /// Returns the lowering of a function with this graph as another one in fused functions.
@@ -170,9 +166,7 @@ impl Lowering {
             Function::ForwardDynamicsDerivatives => {
                 Lowering::traced(|t, s| t.forward_dynamics_derivatives(&s.for_derivatives))
                     .packed(Packing::Derivatives)
-                    .products(|t, s, _| {
-                        t.forward_dynamics_derivatives_by_products(&s.for_derivatives)
-                    })
+                    .products()
             }
             Function::InverseDynamicsVjp => Lowering::traced(|t, _| t.inverse_dynamics_vjp()),
             Function::InverseDynamicsJvp => Lowering::traced(|t, _| t.inverse_dynamics_jvp()),
@@ -188,7 +182,7 @@ impl Lowering {
             Function::ForwardDynamicsHessian => {
                 Lowering::traced(|t, s| t.forward_dynamics_hessian(&s.for_derivatives))
                     .packed(Packing::Columns)
-                    .products(|t, s, _| t.forward_dynamics_hessian_by_products(&s.for_derivatives))
+                    .products()
             }
             Function::StepSemiImplicitDerivatives => {
                 Lowering::traced(|t, s| t.step_semi_implicit_derivatives(&s.for_derivatives))
@@ -196,7 +190,7 @@ impl Lowering {
             }
             Function::Knot => Lowering::traced(|t, s| t.knot(&s.for_derivatives))
                 .packed(Packing::Derivatives)
-                .products(|t, s, _| t.knot_by_products(&s.for_derivatives)),
+                .products(),
             Function::StepSemiImplicitHessian => {
                 Lowering::traced(|t, s| t.step_semi_implicit_hessian(&s.for_derivatives))
                     .packed(Packing::Columns)
@@ -204,43 +198,35 @@ impl Lowering {
             Function::ConstrainedForwardDynamics => {
                 Lowering::traced(|t, s| t.constrained_forward_dynamics(&s.for_derivatives))
                     .packed(Packing::Contacts)
-                    .rows(|t, s, inputs| {
-                        t.constrained_forward_dynamics_around_rows(&s.for_derivatives, inputs)
-                    })
+                    .rows()
             }
             Function::ProjectConstraints => {
                 Lowering::traced(|t, s| t.project_constraints(&s.for_derivatives))
                     .packed(Packing::Contacts)
-                    .rows(|t, s, inputs| {
-                        t.project_constraints_around_rows(&s.for_derivatives, inputs)
-                    })
+                    .rows()
             }
             Function::ConstrainedForwardDynamicsDerivatives => {
                 Lowering::traced(|t, s| t.constrained_forward_dynamics_derivatives(&s.layout))
                     .packed(Packing::ConstrainedColumns)
-                    .products(|t, s, inputs| {
-                        t.constrained_forward_dynamics_derivatives_by_products(&s.layout, inputs)
-                    })
-                    .rows(|t, s, inputs| {
-                        t.constrained_forward_dynamics_derivatives_around_rows(&s.layout, inputs)
-                    })
+                    .products()
+                    .rows()
             }
             Function::ConstrainedKnot => Lowering::traced(|t, s| t.constrained_knot(&s.layout))
                 .packed(Packing::ConstrainedColumns)
-                .products(|t, s, inputs| t.constrained_knot_by_products(&s.layout, inputs))
-                .rows(|t, s, inputs| t.constrained_knot_around_rows(&s.layout, inputs)),
+                .products()
+                .rows(),
             Function::ConstrainedForwardDynamicsHessian => {
                 Lowering::traced(|t, s| t.constrained_forward_dynamics_hessian(&s.layout))
             }
             Function::ImpactDynamics => {
                 Lowering::traced(|t, s| t.impact_dynamics(&s.for_derivatives))
                     .packed(Packing::Contacts)
-                    .rows(|t, s, inputs| t.impact_dynamics_around_rows(&s.for_derivatives, inputs))
+                    .rows()
             }
             Function::OperationalSpaceInertia => {
                 Lowering::traced(|t, s| t.operational_space_inertia(&s.layout))
                     .packed(Packing::ConstrainedColumns)
-                    .rows(|t, s, inputs| t.operational_space_inertia_around_rows(&s.layout, inputs))
+                    .rows()
             }
             _ if function.row().has_solver => {
                 Lowering { source: GraphSource::Step, ..Lowering::EVALUATED }

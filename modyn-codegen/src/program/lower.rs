@@ -7,7 +7,7 @@ use super::{
     Addend, Execution, InvalidProgram, LoopForm, Loops, MultiplyAdd, Operand, Operation, Products,
     Program, RowEquations, Source, Statement, Stored, Value, outline,
 };
-use crate::graph::dense::{DenseGraph, RowForm};
+use crate::graph::dense::RowForm;
 use crate::graph::{Graph, Id, Node};
 
 /// The message of a panic about an invalid program.
@@ -24,7 +24,8 @@ impl Program {
         Self::try_new(graph, arguments, execution).expect(FAULT)
     }
 
-    /// Returns the program of a graph, which may have packs of lanes, over `arguments` scalars.
+    /// Returns the program of a graph, which may have packs of lanes, over `arguments` scalars. Its
+    /// dense parts become loops.
     ///
     /// # Errors
     ///
@@ -34,26 +35,12 @@ impl Program {
         arguments: usize,
         execution: Execution,
     ) -> Result<Self, InvalidProgram> {
-        Self::lowered(graph, arguments, execution).finished()
-    }
-
-    /// Returns the program of a graph with dense parts, over `arguments` scalars.
-    ///
-    /// # Errors
-    ///
-    /// Returns the first violation of a rule.
-    pub fn with_dense_parts(
-        parts: &DenseGraph,
-        arguments: usize,
-        execution: Execution,
-    ) -> Result<Self, InvalidProgram> {
-        let DenseGraph { graph, rows, products } = parts;
-        let rows = rows.as_ref().map(|form| {
+        let rows = graph.dense.rows.as_ref().map(|form| {
             let results = graph.outputs.len() - RowEquations::count(&form.blocks, form.sides);
             Apart::new(ApartForm::Rows(form), results, arguments)
         });
-        let mut program = Self::lowered_with(graph, arguments, execution, rows);
-        if let Some(form) = products {
+        let mut program = Self::lowered(graph, arguments, execution, rows);
+        if let Some(form) = &graph.dense.products {
             let entries = program.results.split_off(form.results);
             let products = Products::new(form, entries, &program.results, execution);
             program.products = Some(products);
@@ -72,18 +59,12 @@ impl Program {
     ) -> Self {
         let results = graph.outputs.len() - form.stored.len();
         let apart = Apart::new(ApartForm::Loops(form), results, arguments);
-        Self::lowered_with(graph, arguments, execution, Some(apart))
+        Self::lowered(graph, arguments, execution, Some(apart))
     }
 
     /// Returns the statements and results of a graph, as a program that is not
-    /// [`finished`](Self::finished).
-    pub(super) fn lowered(graph: &Graph, arguments: usize, execution: Execution) -> Self {
-        Self::lowered_with(graph, arguments, execution, None)
-    }
-
-    /// Returns the statements and results of a graph, as [`lowered`](Self::lowered) does, with an
-    /// operation that the graph does not have.
-    fn lowered_with(
+    /// [`finished`](Self::finished), with an operation that the graph does not have.
+    fn lowered(
         graph: &Graph,
         arguments: usize,
         execution: Execution,

@@ -3,7 +3,7 @@
 //! `Products` adds A B to results, for one matrix A and several matrices B. Derivatives of forward
 //! dynamics are M^-1 times the derivatives of inverse dynamics; Hessians have the same columns and
 //! another A; derivatives under constraints have the inverse of the equations of motion with their
-//! constraint rows (`ColumnMap`). The graph ends before the products (`DenseGraph`); the zeros of
+//! constraint rows (`ColumnMap`). The graph ends before the products (`DenseParts`); the zeros of
 //! its entries give the columns, rows and terms of the loops. A matrix that is a result is computed
 //! in its place; otherwise statements store its entries into an array where they are computed. Rust
 //! and C print loops, Rust for one state with rows in the lanes of vectors. Other languages and

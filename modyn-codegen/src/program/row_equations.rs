@@ -4,7 +4,7 @@
 //! (`equations/constraints/full_rank.rs`); the same factors say whether rows of any rank are
 //! needed. A tracer sets the solution for rows of any rank apart
 //! (`ConstraintWorkspace::set_apart`): its operands are further outputs of the graph, its results
-//! further inputs (`DenseGraph`), and selections choose. Rust calls `solve/rank.rs`, which the
+//! further inputs (`DenseParts`), and selections choose. Rust calls `solve/rank.rs`, which the
 //! interpreter runs as well; C prints a function of it. Machine code has two forms of such a
 //! function: the form for independent rows has a guard that finds states with dependent rows and
 //! calls the form for rows of any rank (`modyn-jit/src/assembly.rs`). Plans of other languages, and

@@ -7,7 +7,8 @@ use crate::graph::{Graph, Id, Node};
 /// A graph of several graphs, with groups of inputs.
 pub(super) struct Composition {
     pub(super) graph: Graph,
-    inputs: usize,
+    /// The number of inputs.
+    pub(super) inputs: usize,
 }
 
 impl Composition {

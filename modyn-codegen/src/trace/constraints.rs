@@ -18,10 +18,10 @@ use modyn_runtime::{ConstraintSettings, ContactTarget, Scalar};
 
 use super::limbs::ContactPacking;
 use super::{LimbPacking, Tracer};
-use crate::graph::dense::{DenseGraph, ProductForm, ProductTarget, RowForm};
+use crate::graph::dense::{ProductForm, ProductTarget, RowForm};
 use crate::graph::{Expr, Graph};
 
-/// The form of equations of dependent rows that are solved apart from a graph.
+/// The equations of dependent rows that are solved apart from a graph.
 struct ApartRows<'a> {
     /// The first input that is one of their results.
     first: usize,
@@ -29,17 +29,6 @@ struct ApartRows<'a> {
     sides: usize,
     /// For each constraint the number of its rows, which tracing finds.
     blocks: &'a mut Option<Vec<usize>>,
-}
-
-impl DenseGraph {
-    /// Returns the graph that `trace` makes with its dependent rows apart, which has this number of
-    /// inputs and of right-hand sides.
-    fn new(first: usize, sides: usize, trace: impl FnOnce(ApartRows<'_>) -> Graph) -> Self {
-        let mut blocks = None;
-        let graph = trace(ApartRows { first, sides, blocks: &mut blocks });
-        let rows = blocks.map(|blocks| RowForm { blocks, sides });
-        Self { graph, rows, products: None }
-    }
 }
 
 impl ApartRows<'_> {
@@ -65,36 +54,18 @@ impl Tracer<'_> {
     /// with `layout`.
     #[must_use]
     pub fn constrained_forward_dynamics(&self, layout: &UduLayout) -> Graph {
-        self.solution(layout, Unknowns::Accelerations, None)
+        self.solution(layout, Unknowns::Accelerations)
     }
 
-    /// Returns the graph of [`constrained_forward_dynamics`](Self::constrained_forward_dynamics)
-    /// for independent rows, with equations for dependent ones, after this number of `inputs`.
-    #[must_use]
-    pub fn constrained_forward_dynamics_around_rows(
-        &self,
-        layout: &UduLayout,
-        inputs: usize,
-    ) -> DenseGraph {
-        self.around_rows(layout, Unknowns::Accelerations, inputs)
-    }
-
-    /// Returns the graph of [`project_constraints`](Self::project_constraints) in the same form.
-    #[must_use]
-    pub fn project_constraints_around_rows(&self, layout: &UduLayout, inputs: usize) -> DenseGraph {
-        self.around_rows(layout, Unknowns::Steps, inputs)
-    }
-
-    /// Returns the graph of [`impact_dynamics`](Self::impact_dynamics) in the same form.
-    #[must_use]
-    pub fn impact_dynamics_around_rows(&self, layout: &UduLayout, inputs: usize) -> DenseGraph {
-        self.around_rows(layout, Unknowns::Velocities, inputs)
-    }
-
-    fn around_rows(&self, layout: &UduLayout, unknowns: Unknowns, inputs: usize) -> DenseGraph {
-        DenseGraph::new(inputs, unknowns.sides(), |apart| {
-            self.solution(layout, unknowns, Some(apart))
-        })
+    /// Returns the graph that `trace` makes, with the equations of dependent rows apart if this
+    /// tracer leaves them to loops and some state has independent rows.
+    fn around_rows(&self, sides: usize, trace: impl Fn(Option<ApartRows<'_>>) -> Graph) -> Graph {
+        let Some(first) = self.loops.rows else { return trace(None) };
+        let mut blocks = None;
+        let mut graph = trace(Some(ApartRows { first, sides, blocks: &mut blocks }));
+        let Some(blocks) = blocks else { return trace(None) };
+        graph.dense.rows = Some(RowForm { blocks, sides });
+        graph
     }
 
     /// Returns the number of constrained rows of the robot.
@@ -114,9 +85,12 @@ impl Tracer<'_> {
     }
 
     /// Traces the equations of `unknowns`, with the contacts of merged limbs merged. Results are
-    /// joint vectors, then six numbers for each constraint, then the rank; then the operands of
-    /// equations of dependent rows that are solved `apart`.
-    fn solution(
+    /// joint vectors, then six numbers for each constraint, then the rank.
+    fn solution(&self, layout: &UduLayout, unknowns: Unknowns) -> Graph {
+        self.around_rows(unknowns.sides(), |apart| self.traced_solution(layout, unknowns, apart))
+    }
+
+    fn traced_solution(
         &self,
         layout: &UduLayout,
         unknowns: Unknowns,
@@ -157,7 +131,7 @@ impl Tracer<'_> {
     /// active contacts and settings.
     #[must_use]
     pub fn project_constraints(&self, layout: &UduLayout) -> Graph {
-        self.solution(layout, Unknowns::Steps, None)
+        self.solution(layout, Unknowns::Steps)
     }
 }
 
@@ -166,7 +140,7 @@ impl Tracer<'_> {
     /// rank. Inputs: `q`, `qd`, active contacts and settings.
     #[must_use]
     pub fn impact_dynamics(&self, layout: &UduLayout) -> Graph {
-        self.solution(layout, Unknowns::Velocities, None)
+        self.solution(layout, Unknowns::Velocities)
     }
 
     /// Returns the graph of the accelerations, the wrenches, the derivatives of the accelerations
@@ -174,82 +148,57 @@ impl Tracer<'_> {
     /// `qd`, `tau`, active contacts and settings.
     #[must_use]
     pub fn constrained_forward_dynamics_derivatives(&self, layout: &UduLayout) -> Graph {
-        self.derivatives(layout, None)
+        self.around_rows(1 + self.rows(), |apart| match self.loops.products {
+            true => self.derivatives_by_products(layout, apart),
+            false => self.whole_derivatives(layout, apart),
+        })
     }
 
-    /// Returns the graph of
-    /// [`constrained_forward_dynamics_derivatives`](Self::constrained_forward_dynamics_derivatives)
-    /// for independent rows, with equations for dependent ones, after this number of `inputs`.
-    #[must_use]
-    pub fn constrained_forward_dynamics_derivatives_around_rows(
-        &self,
-        layout: &UduLayout,
-        inputs: usize,
-    ) -> DenseGraph {
-        let sides = 1 + self.rows();
-        DenseGraph::new(inputs, sides, |apart| self.derivatives(layout, Some(apart)))
-    }
-
-    /// Returns the same graph with the derivatives with respect to q and qd as products.
-    #[must_use]
-    pub fn constrained_forward_dynamics_derivatives_by_products(
-        &self,
-        layout: &UduLayout,
-        inputs: usize,
-    ) -> DenseGraph {
-        let mut products = None;
-        let around = DenseGraph::new(inputs, 1 + self.rows(), |apart| {
-            self.by_products(layout, Some(apart), &mut products)
-        });
-        let dense = match around.rows {
-            Some(_) => around,
-            None => DenseGraph { graph: self.by_products(layout, None, &mut products), ..around },
-        };
-        DenseGraph { products, ..dense }
-    }
-
-    fn derivatives(&self, layout: &UduLayout, apart: Option<ApartRows<'_>>) -> Graph {
+    fn whole_derivatives(&self, layout: &UduLayout, apart: Option<ApartRows<'_>>) -> Graph {
         self.with_derivatives(layout, apart, |(tree, layout), state, settings, memory, outputs| {
             let solve = constraints::constrained_forward_dynamics_derivatives;
             (solve(tree, layout, state, settings, memory, outputs), Vec::new())
         })
     }
 
-    fn by_products(
-        &self,
-        layout: &UduLayout,
-        apart: Option<ApartRows<'_>>,
-        form: &mut Option<ProductForm>,
-    ) -> Graph {
-        self.with_derivatives(layout, apart, |(tree, layout), state, settings, memory, outputs| {
-            let ColumnMap { map, columns, rank } =
-                ColumnMap::new(tree, layout, state, settings, memory, outputs);
-            let n = self.model.nv;
-            let count = self.model.constraints.len();
-            let height = n + 6 * count;
-            // Some rows are zero, such as the rows of moments of points.
-            let is_zero =
-                |row: usize| map.iter().skip(row).step_by(height).all(|x| x.is_constant_zero());
-            let rows: Vec<usize> = (0..height).filter(|&row| !is_zero(row)).collect();
-            let targets = [0, 1].map(|matrix| {
-                let place = |row: usize| match row.checked_sub(n) {
-                    None => (height + matrix * n * n + row, n),
-                    Some(k) => {
-                        let wrenches = height + 3 * n * n + matrix * 6 * n * count;
-                        (wrenches + k / 6 * 6 * n + k % 6, 6)
-                    }
-                };
-                ProductTarget::of_rows(rows.iter().map(|&row| place(row)))
-            });
-            let terms = map.len() / height;
-            let results = height * (1 + 3 * n) + 1;
-            let targets = targets.to_vec();
-            *form = Some(ProductForm { rows: rows.len(), terms, results, targets });
-            let of_column =
-                |column: &[Expr]| rows.iter().map(|&row| column[row]).collect::<Vec<_>>();
-            let map = map.chunks(height).flat_map(of_column);
-            (rank, map.chain(columns.concat()).collect())
-        })
+    /// Leaves the derivatives with respect to q and qd to products.
+    fn derivatives_by_products(&self, layout: &UduLayout, apart: Option<ApartRows<'_>>) -> Graph {
+        let mut products = None;
+        let mut graph = self.with_derivatives(
+            layout,
+            apart,
+            |(tree, layout), state, settings, memory, outputs| {
+                let ColumnMap { map, columns, rank } =
+                    ColumnMap::new(tree, layout, state, settings, memory, outputs);
+                let n = self.model.nv;
+                let count = self.model.constraints.len();
+                let height = n + 6 * count;
+                // Some rows are zero, such as the rows of moments of points.
+                let is_zero =
+                    |row: usize| map.iter().skip(row).step_by(height).all(|x| x.is_constant_zero());
+                let rows: Vec<usize> = (0..height).filter(|&row| !is_zero(row)).collect();
+                let targets = [0, 1].map(|matrix| {
+                    let place = |row: usize| match row.checked_sub(n) {
+                        None => (height + matrix * n * n + row, n),
+                        Some(k) => {
+                            let wrenches = height + 3 * n * n + matrix * 6 * n * count;
+                            (wrenches + k / 6 * 6 * n + k % 6, 6)
+                        }
+                    };
+                    ProductTarget::of_rows(rows.iter().map(|&row| place(row)))
+                });
+                let terms = map.len() / height;
+                let results = height * (1 + 3 * n) + 1;
+                let targets = targets.to_vec();
+                products = Some(ProductForm { rows: rows.len(), terms, results, targets });
+                let of_column =
+                    |column: &[Expr]| rows.iter().map(|&row| column[row]).collect::<Vec<_>>();
+                let map = map.chunks(height).flat_map(of_column);
+                (rank, map.chain(columns.concat()).collect())
+            },
+        );
+        graph.dense.products = products;
+        graph
     }
 
     /// Returns the graph of the results that `solve` computes, with the operands that it returns
@@ -306,18 +255,7 @@ impl Tracer<'_> {
     /// the rank. Inputs: `q`, active contacts and settings.
     #[must_use]
     pub fn operational_space_inertia(&self, layout: &UduLayout) -> Graph {
-        self.inertia(layout, None)
-    }
-
-    /// Returns the graph of [`operational_space_inertia`](Self::operational_space_inertia) in the form of
-    /// [`constrained_forward_dynamics_around_rows`](Self::constrained_forward_dynamics_around_rows).
-    #[must_use]
-    pub fn operational_space_inertia_around_rows(
-        &self,
-        layout: &UduLayout,
-        inputs: usize,
-    ) -> DenseGraph {
-        DenseGraph::new(inputs, self.rows(), |apart| self.inertia(layout, Some(apart)))
+        self.around_rows(self.rows(), |apart| self.inertia(layout, apart))
     }
 
     fn inertia(&self, layout: &UduLayout, apart: Option<ApartRows<'_>>) -> Graph {

@@ -8,7 +8,7 @@ use modyn_runtime::equations::{ForwardInput, Motion, Workspace};
 use modyn_runtime::mechanism::MergedMechanism;
 
 use super::Tracer;
-use crate::graph::dense::{DenseGraph, ProductForm, ProductTarget};
+use crate::graph::dense::{ProductForm, ProductTarget};
 use crate::graph::{Expr, Graph};
 
 impl Tracer<'_> {
@@ -31,6 +31,9 @@ impl Tracer<'_> {
     /// Inputs: `q`, `qd`, `tau`. The mass matrix is factorized with `layout`.
     #[must_use]
     pub fn forward_dynamics_derivatives(&self, layout: &UduLayout) -> Graph {
+        if self.loops.products {
+            return self.forward_dynamics_derivatives_by_products(layout);
+        }
         let Some(limbs) = self.limbs else {
             return self.trace(|model, state| {
                 let model = &self.with_column_lanes(model);
@@ -52,13 +55,11 @@ impl Tracer<'_> {
         })
     }
 
-    /// Returns the graph of [`forward_dynamics_derivatives`](Self::forward_dynamics_derivatives)
-    /// with the derivatives by q and qd as products: those with the inverse of the mass matrix are
+    /// Leaves the derivatives by q and qd to products with the inverse of the mass matrix, which are
     /// added to the derivatives of free fall.
-    #[must_use]
-    pub fn forward_dynamics_derivatives_by_products(&self, layout: &UduLayout) -> DenseGraph {
+    fn forward_dynamics_derivatives_by_products(&self, layout: &UduLayout) -> Graph {
         let n = self.model.nv;
-        let graph = match self.limbs {
+        let mut graph = match self.limbs {
             None => self.trace(|model, state| {
                 let model = &self.with_column_lanes(model);
                 let layout = &MergedUduLayout::new(model, layout.clone());
@@ -84,7 +85,8 @@ impl Tracer<'_> {
         let targets =
             [0, 1].map(|matrix| vec![ProductTarget::square(n + matrix * n * n, n)]).to_vec();
         let form = ProductForm { rows: n, terms: n, results: n + 3 * n * n, targets };
-        DenseGraph { graph, rows: None, products: Some(form) }
+        graph.dense.products = Some(form);
+        graph
     }
 }
 

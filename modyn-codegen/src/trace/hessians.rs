@@ -50,7 +50,7 @@ use super::Tracer;
 use super::composition::Composition;
 use super::limb_products::LimbMatrices;
 use super::products::WeightedInverseDynamics;
-use crate::graph::dense::{DenseGraph, ProductForm, ProductTarget};
+use crate::graph::dense::{ProductForm, ProductTarget};
 use crate::graph::{Graph, Id};
 use crate::passes::{Directional, Displacement, along_directions, jvp, optimize};
 
@@ -389,6 +389,9 @@ impl Tracer<'_> {
     /// `layout`.
     #[must_use]
     pub fn forward_dynamics_hessian(&self, layout: &UduLayout) -> Graph {
+        if self.loops.products {
+            return self.forward_dynamics_hessian_by_products(layout);
+        }
         let (mut all, motion, weights) = self.weighted_motion(layout);
         let hessian = self.weighted_accelerations(&mut all, layout, &motion, &weights);
         let ForwardHessian { gradients, by_tau, blocks, by_q_tau, .. } = hessian;
@@ -506,10 +509,8 @@ impl Tracer<'_> {
         HessianFactors { gradients, by_tau, phi, fall, u, d, w, b, by_state }
     }
 
-    /// Returns the graph of [`forward_dynamics_hessian`](Self::forward_dynamics_hessian) with the
-    /// products with B apart.
-    #[must_use]
-    pub fn forward_dynamics_hessian_by_products(&self, layout: &UduLayout) -> DenseGraph {
+    /// Leaves the products with B to loops.
+    fn forward_dynamics_hessian_by_products(&self, layout: &UduLayout) -> Graph {
         let n = self.model.nv;
         let (mut all, motion, weights) = self.weighted_motion(layout);
         let HessianFactors { gradients, by_tau, phi, fall, b, by_state, .. } =
@@ -522,8 +523,9 @@ impl Tracer<'_> {
         let of_qqd = ProductTarget::square(4 * n + n * n, n);
         let targets = vec![vec![of_qq.clone(), of_qq.transposed()], vec![of_qqd]];
         let form = ProductForm { rows: n, terms: n, results: results.len(), targets };
-        let graph = all.with_outputs(&[&results, &by_q_tau, &by_q, &by_qd]);
-        DenseGraph { graph, rows: None, products: Some(form) }
+        let mut graph = all.with_outputs(&[&results, &by_q_tau, &by_q, &by_qd]);
+        graph.dense.products = Some(form);
+        graph
     }
 
     /// Returns the product of two square matrices, by columns; equal limbs, else consecutive

@@ -7,10 +7,10 @@
 use modyn_runtime::equations::brge::UduLayout;
 use modyn_runtime::mechanism::coordinates::quaternion_blocks;
 
-use super::Tracer;
 use super::composition::Composition;
 use super::constraints::settings_count;
-use crate::graph::dense::{DenseGraph, ProductForm, ProductTarget};
+use super::{DenseLoops, Tracer};
+use crate::graph::dense::{ProductForm, ProductTarget};
 use crate::graph::{Graph, Id, Node};
 
 /// The dynamics of a knot.
@@ -28,15 +28,7 @@ impl Tracer<'_> {
     /// Inputs: `q`, `qd`, `tau` and the time.
     #[must_use]
     pub fn knot(&self, layout: &UduLayout) -> Graph {
-        let graph = self.forward_dynamics_derivatives(layout);
-        self.knot_of(Dynamics::Free, DenseGraph { graph, rows: None, products: None }, None).graph
-    }
-
-    /// Returns the same graph with the derivatives with respect to q and qd as products.
-    #[must_use]
-    pub fn knot_by_products(&self, layout: &UduLayout) -> DenseGraph {
-        let dynamics = self.forward_dynamics_derivatives_by_products(layout);
-        self.knot_of(Dynamics::Free, dynamics, None)
+        self.knot_of(Dynamics::Free, &self.forward_dynamics_derivatives(layout))
     }
 
     /// Returns the graph of the velocities after a semi-implicit step under constraints, the
@@ -44,36 +36,18 @@ impl Tracer<'_> {
     /// `q`, `qd`, `tau`, the time, active contacts and settings.
     #[must_use]
     pub fn constrained_knot(&self, layout: &UduLayout) -> Graph {
-        let graph = self.constrained_forward_dynamics_derivatives(layout);
-        let dynamics = DenseGraph { graph, rows: None, products: None };
-        self.knot_of(Dynamics::Constrained, dynamics, None).graph
-    }
-
-    /// Returns the graph of [`constrained_knot`](Self::constrained_knot) for independent rows, with
-    /// equations for dependent ones, after this number of `inputs`.
-    #[must_use]
-    pub fn constrained_knot_around_rows(&self, layout: &UduLayout, inputs: usize) -> DenseGraph {
-        let dynamics =
-            self.constrained_forward_dynamics_derivatives_around_rows(layout, inputs - 1);
-        self.knot_of(Dynamics::Constrained, dynamics, Some(inputs))
-    }
-
-    /// Returns the same graph with the derivatives with respect to q and qd as products.
-    #[must_use]
-    pub fn constrained_knot_by_products(&self, layout: &UduLayout, inputs: usize) -> DenseGraph {
-        let dynamics =
-            self.constrained_forward_dynamics_derivatives_by_products(layout, inputs - 1);
-        self.knot_of(Dynamics::Constrained, dynamics, Some(inputs))
+        // The time is not among the inputs of the dynamics.
+        let rows = self.loops.rows.map(|first| first - 1);
+        let dynamics = self.with_loops(DenseLoops { rows, ..self.loops });
+        self.knot_of(
+            Dynamics::Constrained,
+            &dynamics.constrained_forward_dynamics_derivatives(layout),
+        )
     }
 
     /// Returns the graph of a knot from the graph of the derivatives of its dynamics, whose dense
-    /// parts stay apart. Results of equations of rows are inputs after this number of inputs.
-    fn knot_of(
-        &self,
-        dynamics: Dynamics,
-        dense: DenseGraph,
-        inputs_before_rows: Option<usize>,
-    ) -> DenseGraph {
+    /// parts stay apart.
+    fn knot_of(&self, dynamics: Dynamics, graph: &Graph) -> Graph {
         let nq = self.model.nq;
         let n = self.model.nv;
         let mut all = Composition::new();
@@ -83,13 +57,12 @@ impl Tracer<'_> {
             Dynamics::Constrained => all.inputs(self.model.contacts() + settings_count(self.model)),
         };
         let parameters = all.inputs(self.parameters.len());
-        let given = nq + 2 * n + 1 + constraints.len() + parameters.len();
-        debug_assert!(inputs_before_rows.is_none_or(|inputs| inputs == given));
-        let rows = self.rows();
-        let count = inputs_before_rows.map_or(0, |_| 2 * rows * (1 + rows) + 1);
-        let of_rows = all.inputs(count);
+        let of_rows = graph.dense.rows.as_ref().map_or_else(Vec::new, |form| {
+            debug_assert_eq!(self.loops.rows, Some(all.inputs));
+            all.inputs(form.results())
+        });
         let groups = [&q[..], &qd, &tau, &constraints, &parameters, &of_rows];
-        let outputs = all.add(&dense.graph, &groups);
+        let outputs = all.add(graph, &groups);
         let dt = dt[0];
 
         let wrenches = match dynamics {
@@ -123,14 +96,17 @@ impl Tracer<'_> {
         }
 
         let first = n + wrenches.len();
-        let form = dense.products.map(|form| KnotForm { first, n, blocks: blocks.len(), form });
+        let products = graph.dense.products.clone();
+        let form = products.map(|form| KnotForm { first, n, blocks: blocks.len(), form });
         let operands = form.as_ref().map_or_else(
             || operands.to_vec(),
             |form| form.operands(operands, |x| all.scaled_lane(dt, x)),
         );
         let groups = [&next[..], wrenches, &matrices, &blocks, changes_of_wrenches, &operands];
-        let graph = all.with_outputs(&groups);
-        DenseGraph { graph, rows: dense.rows, products: form.map(KnotForm::placed) }
+        let mut knot = all.with_outputs(&groups);
+        knot.dense.rows.clone_from(&graph.dense.rows);
+        knot.dense.products = form.map(KnotForm::placed);
+        knot
     }
 }
 

@@ -53,6 +53,18 @@ pub struct Tracer<'a> {
     columns: usize,
     /// The single link that replaces the model's links.
     link: Option<LinkFrame>,
+    /// The parts of functions that graphs leave to loops.
+    loops: DenseLoops,
+}
+
+/// The dense parts of functions that graphs leave to loops, where a function has them.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct DenseLoops {
+    /// Equations of dependent constraint rows: the first input that is one of their results, after
+    /// the arguments. The graph itself solves independent rows only.
+    pub rows: Option<usize>,
+    /// Products of matrices.
+    pub products: bool,
 }
 
 /// A link on a body.
@@ -87,7 +99,14 @@ impl<'a> Tracer<'a> {
     /// Returns the tracer of `model`; `parameters` are further inputs, after all others.
     #[must_use]
     pub fn with_parameters(model: &'a Mechanism<f64>, parameters: Parameters) -> Self {
-        Self { model, parameters, limbs: None, columns: 1, link: None }
+        Self {
+            model,
+            parameters,
+            limbs: None,
+            columns: 1,
+            link: None,
+            loops: DenseLoops::default(),
+        }
     }
 
     /// Returns the tracer of `model`, which must have no links, with `link` as its single link.
@@ -100,7 +119,7 @@ impl<'a> Tracer<'a> {
     #[must_use]
     pub fn packed(&self, limbs: &'a LimbPacking) -> Self {
         let parameters = self.parameters.without_inertias();
-        Self { model: self.model, parameters, limbs: Some(limbs), columns: 1, link: None }
+        Self { limbs: Some(limbs), ..Self::with_parameters(self.model, parameters) }
     }
 
     /// Returns the tracer with the derivative columns of this number of consecutive joints in
@@ -108,6 +127,12 @@ impl<'a> Tracer<'a> {
     #[must_use]
     pub fn column_lanes(&self, columns: usize) -> Self {
         Self { parameters: self.parameters.clone(), columns, ..Self::new(self.model) }
+    }
+
+    /// Returns the tracer whose graphs leave these parts to loops.
+    #[must_use]
+    pub fn with_loops(&self, loops: DenseLoops) -> Self {
+        Self { loops, ..self.clone() }
     }
 
     /// Returns the robot.

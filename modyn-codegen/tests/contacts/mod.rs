@@ -8,7 +8,7 @@ mod stretched;
 use modyn_codegen::passes::optimize;
 use modyn_codegen::plan::{COLUMN_LANES, LIMB_LIMITS, Sizes};
 use modyn_codegen::program::{Execution, Program};
-use modyn_codegen::trace::{LimbPacking, Tracer};
+use modyn_codegen::trace::{DenseLoops, LimbPacking, Tracer};
 use modyn_codegen::{Base, Builder, Contact, ContactKind, Function, LoopEnd, ReadOptions, read};
 use modyn_runtime::equations::brge::UduLayout;
 use modyn_runtime::equations::constraints::{
@@ -556,10 +556,11 @@ fn programs_of_independent_rows_find_dependent_rows() {
         let settings = exact(&model);
         let (numbers, nv, count) = (numbers(&settings), model.nv(), model.constraints());
         let inputs = model.nq() + 2 * nv + count + numbers.len();
-        let tracer = Tracer::new(&mechanism);
-        let around = tracer.constrained_forward_dynamics_around_rows(&layout, inputs);
-        assert!(around.rows.is_some(), "independent rows");
-        let program = Program::with_dense_parts(&around, inputs, Execution::Scalar);
+        let loops = DenseLoops { rows: Some(inputs), products: false };
+        let tracer = Tracer::new(&mechanism).with_loops(loops);
+        let around = tracer.constrained_forward_dynamics(&layout);
+        assert!(around.dense.rows.is_some(), "independent rows");
+        let program = Program::try_new(&around, inputs, Execution::Scalar);
         let program = program.expect("valid");
         assert_eq!(program.to_string().parse(), Ok(program.clone()));
         for active in masks(&model, &mut random, 40) {
@@ -1195,10 +1196,11 @@ fn operation_counts_are_as_frozen() {
         (Tracer::new(&mechanism), UduLayout::new(&mechanism, &ModuleTree::chains(&model)));
     let limbs = LimbPacking::find(&mechanism, &LIMB_LIMITS).expect("four legs");
     let evaluation = |function| tracer.evaluation(function, &model, None);
+    let loops = DenseLoops { rows: Some(1000), products: false };
     let around =
-        |tracer: &Tracer<'_>| tracer.constrained_forward_dynamics_around_rows(&layout, 1000).graph;
+        |tracer: &Tracer<'_>| tracer.with_loops(loops).constrained_forward_dynamics(&layout);
     let derivatives = |tracer: &Tracer<'_>| {
-        tracer.constrained_forward_dynamics_derivatives_around_rows(&layout, 1000).graph
+        tracer.with_loops(loops).constrained_forward_dynamics_derivatives(&layout)
     };
     let found = [
         ("constrained_forward_dynamics", tracer.constrained_forward_dynamics(&layout)),
@@ -1267,11 +1269,10 @@ fn operation_counts_are_as_frozen() {
     let arguments = arguments.map(|argument| argument.shape(&sizes).len()).sum();
     let counts =
         [(1, Execution::Scalar), (COLUMN_LANES, Execution::Simd)].map(|(lanes, execution)| {
-            let tracer = tracer.column_lanes(lanes);
-            let mut dense =
-                tracer.constrained_forward_dynamics_derivatives_by_products(&layout, arguments);
-            dense.graph = optimize(dense.graph);
-            let program = Program::with_dense_parts(&dense, arguments, execution).expect("valid");
+            let loops = DenseLoops { rows: Some(arguments), products: true };
+            let tracer = tracer.column_lanes(lanes).with_loops(loops);
+            let graph = optimize(tracer.constrained_forward_dynamics_derivatives(&layout));
+            let program = Program::try_new(&graph, arguments, execution).expect("valid");
             [program.static_operations(), program.operations_per_call()].map(|count| count.total())
         });
     assert_eq!(counts, [[28716, 67576], [19093, 29441]]);

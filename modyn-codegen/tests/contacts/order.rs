@@ -153,9 +153,10 @@ fn solutions(model: &Model, state: &State, active: &[bool], settings: &Settings)
     let numbers =
         [&*state.q, &state.qd, &state.tau, &switches(active), &numbers(settings)].concat();
     let any_rank = optimize(tracer.constrained_forward_dynamics(&layout)).evaluate(&numbers);
-    let around = tracer.constrained_forward_dynamics_around_rows(&layout, numbers.len());
-    let around = around.rows.is_some().then(|| {
-        let program = Program::with_dense_parts(&around, numbers.len(), Execution::Scalar);
+    let loops = DenseLoops { rows: Some(numbers.len()), products: false };
+    let around = tracer.with_loops(loops).constrained_forward_dynamics(&layout);
+    let around = around.dense.rows.is_some().then(|| {
+        let program = Program::try_new(&around, numbers.len(), Execution::Scalar);
         program.expect("valid").evaluate(&numbers)
     });
     let (nv, count) = (model.nv(), model.constraints());
