@@ -89,8 +89,9 @@ problems = {name: crocoddyl.ShootingProblem(start, [make(DT, RUNNING)] * KNOTS, 
 optimum = same_optimum("Arm, FDDP", problems, states, controls)
 print_times(problems, *optimum)
 same_optimum("Arm, SQP of mim_solvers", problems, states, controls, sqp)
-for problem in problems.values():
-    for action in problem.runningModels:
-        action.u_lb, action.u_ub = (sign * 0.3 * model.effortLimit for sign in (-1, 1))
-same_optimum("Arm, Box-FDDP, torques up to 30 % of the motors'", problems, states, controls,
-             crocoddyls(crocoddyl.SolverBoxFDDP))
+for share in 1.0, 0.3:
+    for problem in problems.values():
+        for action in problem.runningModels:
+            action.u_lb, action.u_ub = (sign * share * model.effortLimit for sign in (-1, 1))
+    same_optimum(f"Arm, Box-FDDP, torques up to {share:.0%} of the motors'", problems, states, controls,
+                 crocoddyls(crocoddyl.SolverBoxFDDP))

@@ -88,7 +88,7 @@ def same_optimum(title, problems, states, controls, solve=crocoddyls(crocoddyl.S
 
 
 def print_times(problems, states, controls, rounds=101):
-    """Prints the median times of the parts of an iteration, with the problems in turn, on one thread."""
+    """Prints the median processor times of the parts of an iteration, with the problems in turn, on one thread."""
     rows = {"`calc`": [], "`calcDiff`": [], "`solve` of one iteration": []}
     solvers = {}
     for name, problem in problems.items():
@@ -101,9 +101,9 @@ def print_times(problems, states, controls, rounds=101):
     for _ in range(rounds):
         for name in problems:
             for part, call in enumerate(calls[name]):
-                before = time.perf_counter()
+                before = time.thread_time()
                 call()
-                times[name, part].append(1e6 * (time.perf_counter() - before))
+                times[name, part].append(1e6 * (time.thread_time() - before))
     print(f"\n| us, {len(controls)} knots | " + " | ".join(problems) + " |\n|---|" + "---|" * len(problems))
     for part, row in enumerate(rows):
         medians = [np.median(times[name, part]) for name in problems]
