@@ -86,7 +86,7 @@ template <class Robot, const auto &LinkNames> void expose() {
 
 /// Adds `ContactActionModel` and `ResidualModelContactFrictionCone` to the module.
 template <class Robot, const auto &ContactNames> void expose_contacts() {
-    // `gains` are the stiffness and the damping of Crocoddyl's contacts.
+    // `gains` are the stiffness towards the ground, 1/s^2, and the damping, 1/s, as in Crocoddyl's contacts.
     using Model = ContactActionModel<Robot>;
     const auto make = +[](StatePointer state, SumPointer costs, double dt, const bp::list &contacts, const Eigen::VectorXd &gains) {
         typename Model::Active active{};
