@@ -30,7 +30,7 @@ impl UserFunction<4> for ReachCost {
         robot: &mut Interpreter<S>,
         [q, qd, target, weight]: [&[S]; 4],
     ) -> Result<Vec<S>, UserError> {
-        let link = robot.model().frame_index(self.link).ok_or("the robot has no such link")?;
+        let link = robot.model().link_index(self.link).ok_or("the robot has no such link")?;
         let tip = robot.link_pose(q, link)?.translation;
         let velocity = robot.link_velocity(q, qd, link)?.linear.0;
         let mut cost = S::zero();

@@ -69,9 +69,9 @@ fn main() -> Result<(), Box<dyn Error>> {
 
 /// Returns the quadruped's first three joints with the frames that are fixed to their links: a leg on a stand.
 fn first_leg(model: &Model) -> Result<Model, Box<dyn Error>> {
-    let links = model.links()[..3].to_vec();
+    let links = model.moving_links()[..3].to_vec();
     let own = |link: Option<usize>| link.is_none_or(|link| link < links.len());
-    let frames = model.frames().iter().filter(|frame| own(frame.link)).cloned().collect();
+    let frames = model.links().iter().filter(|link| own(link.moving_link)).cloned().collect();
     Model::new("leg", model.gravity(), links.clone(), frames)
         .map_err(|errors| errors[0].to_string().into())
 }

@@ -71,7 +71,7 @@ impl Options {
 #[must_use]
 pub fn contradictory_limits(model: &Model) -> Vec<String> {
     let contradicts = |&link: &usize| {
-        let joint = &model.links()[link].joint;
+        let joint = &model.moving_links()[link].joint;
         let Some(limits) = &joint.limits else { return false };
         let Some(mimic) = model.mimic(link) else { return false };
         model.coordinate_range(link).iter().any(|q| {
@@ -80,8 +80,8 @@ pub fn contradictory_limits(model: &Model) -> Vec<String> {
                 || limits.upper.is_some_and(|upper| q > upper + 1e-9)
         })
     };
-    let links = (0..model.links().len()).filter(contradicts);
-    links.map(|link| model.links()[link].joint.name.clone()).collect()
+    let links = (0..model.moving_links().len()).filter(contradicts);
+    links.map(|link| model.moving_links()[link].joint.name.clone()).collect()
 }
 
 /// A robot that moves by steps.
@@ -187,12 +187,12 @@ impl ContactSteps {
         }
         interpreter.set_soft_model(soft);
         let effort = |link: usize| {
-            let joint = &model.links()[link].joint;
+            let joint = &model.moving_links()[link].joint;
             let v = model.v_range(link);
             let has_own_velocity = joint.mimic.is_none() && v.len() == 1;
             Some((v.start, joint.limits.as_ref()?.effort?)).filter(|_| has_own_velocity)
         };
-        let joints = 0..if options.limits == Limits::Act { model.links().len() } else { 0 };
+        let joints = 0..if options.limits == Limits::Act { model.moving_links().len() } else { 0 };
         let efforts = joints.filter_map(effort).collect();
         let actuators = Actuators::of(model, options);
         Self { interpreter, settings, efforts, qdd: vec![0.0; model.nv()], actuators }
@@ -314,14 +314,16 @@ fn move_to_ground(
     // The frame of each point's link, and the height of the point.
     let height_of = |&TouchingPoint { shape, gap, .. }: &TouchingPoint<f64>| {
         let upwards = settings.surfaces[shape].plane.rotation[2][2];
-        (upwards > LEVEL).then(|| (shapes[shape].end.frame, gap / upwards))
+        (upwards > LEVEL).then(|| (shapes[shape].end.link, gap / upwards))
     };
     let heights: Vec<(usize, f64)> = points.iter().filter_map(height_of).collect();
     let base = |frame: usize| {
-        let links = std::iter::successors(model.frames()[frame].link, |&i| model.links()[i].parent);
+        let links = std::iter::successors(model.links()[frame].moving_link, |&i| {
+            model.moving_links()[i].parent
+        });
         links.last()
     };
-    for (i, link) in model.links().iter().enumerate() {
+    for (i, link) in model.moving_links().iter().enumerate() {
         if link.parent.is_some() || link.joint.joint_type != JointType::Floating {
             continue;
         }

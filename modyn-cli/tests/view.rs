@@ -211,7 +211,7 @@ fn the_page_places_and_draws_links_in_a_browser() {
     let model =
         modyn_codegen::read(&text, "joint_zoo.urdf", &Default::default()).expect("read").model;
     let mut interpreter = Interpreter::<f64>::new(model.clone());
-    let mut poses = vec![Pose::identity(); model.frames().len()];
+    let mut poses = vec![Pose::identity(); model.links().len()];
     let data = common::page_data(&page);
     let states = data["motions"][0]["q"].as_array().expect("states");
     assert_eq!(states.len(), 6);
@@ -223,8 +223,8 @@ fn the_page_places_and_draws_links_in_a_browser() {
         interpreter.normalize_configuration(&mut q).expect("the length");
         interpreter.link_poses(&q, &mut poses).expect("the length");
         for (link, matrix) in shown.chunks(16).enumerate() {
-            let name = &model.links()[link].name;
-            let frame = model.frame_index(name).expect("a frame");
+            let name = &model.moving_links()[link].name;
+            let frame = model.link_index(name).expect("a frame");
             let Pose { rotation, translation } = poses[frame];
             for i in 0..3 {
                 assert!(

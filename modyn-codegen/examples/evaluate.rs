@@ -44,10 +44,12 @@ fn main() -> Result<(), Box<dyn Error>> {
     let model = read(&text, &path, &options)?.model;
     let mut out = std::io::BufWriter::new(std::io::stdout().lock());
     let mut frames = Vec::new();
-    for (i, link) in model.links().iter().enumerate().filter(|(i, _)| model.mimic(*i).is_none()) {
+    for (i, link) in
+        model.moving_links().iter().enumerate().filter(|(i, _)| model.mimic(*i).is_none())
+    {
         let (nq, nv) = (model.q_range(i).len(), model.v_range(i).len());
         writeln!(out, "{nq} {nv} {} {}", link.joint.joint_type.name(), link.joint.name)?;
-        frames.extend(model.frame_index(&link.name));
+        frames.extend(model.link_index(&link.name));
     }
     writeln!(out)?;
     let (nq, n) = (model.nq(), model.nv());

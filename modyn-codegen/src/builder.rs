@@ -30,7 +30,7 @@ use crate::plan::{
 };
 use crate::program::Execution;
 use checks::{
-    invalid_programs, left_out, moving_frames, needs_inertia, too_long, too_long_entries,
+    invalid_programs, left_out, links_that_move, needs_inertia, too_long, too_long_entries,
     without_hessian, without_inertia,
 };
 pub use object::ObjectPlanning;
@@ -272,7 +272,7 @@ impl Builder {
     ///         robot: &mut Interpreter<S>,
     ///         [q, target]: [&[S]; 2],
     ///     ) -> Result<Vec<S>, UserError> {
-    ///         let hand = robot.model().frame_index("hand").ok_or("there is no link `hand`")?;
+    ///         let hand = robot.model().link_index("hand").ok_or("there is no link `hand`")?;
     ///         let pose = robot.link_pose(q, hand)?;
     ///         let squares = pose.translation.iter().zip(target).map(|(&x, &t)| (x - t) * (x - t));
     ///         Ok(vec![squares.fold(S::zero(), |sum, square| sum + square)])
@@ -548,7 +548,7 @@ impl Builder {
         ];
         let [runtime_inertia, payload] = inertias.map(|(option, code, names)| {
             reading.as_ref().and_then(|reading| {
-                let frames = moving_frames(&reading.model, option, code, names);
+                let frames = links_that_move(&reading.model, option, code, names);
                 frames.map_err(|diagnostics| errors.extend(diagnostics)).ok()
             })
         });

@@ -173,7 +173,7 @@ fn a_function_of_a_link_has_the_link() {
     let mut unit = q.clone();
     let interpreter = modyn_runtime::Interpreter::<f64>::new(model.clone());
     interpreter.normalize_configuration(&mut unit).expect("lengths");
-    for link in 0..model.frames().len() {
+    for link in 0..model.links().len() {
         let pose = modyn_runtime::Interpreter::<f64>::new(model.clone()).link_pose(&unit, link);
         let pose = pose.expect("a link");
         close(&at(link).call(&q), &pose.translation, 1e-12);

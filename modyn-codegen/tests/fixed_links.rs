@@ -113,7 +113,7 @@ const QDD: [f64; 3] = [-0.5, 1.2, 0.3];
 fn interpreted(urdf: &str) -> Vec<f64> {
     let reading = modyn_codegen::read(urdf, "comb.urdf", &Default::default()).expect("good");
     let mut robot = Interpreter::<f64>::new(reading.model);
-    let links = robot.model().frames().len();
+    let links = robot.model().links().len();
     let mut poses = vec![Pose::identity(); links];
     robot.link_poses(&Q, &mut poses).expect("fits");
     let pose = |p: &Pose<f64>| [p.rotation.concat(), p.translation.to_vec()].concat();

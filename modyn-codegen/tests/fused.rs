@@ -62,7 +62,7 @@ fn counts(robot_name: &'static str, base: Base, links: &[&str]) -> Counts {
     let all = &planning.plan.functions;
     let of = |function: Function, link: Option<&str>| {
         let planned = all.iter().find(|planned| planned.function == Some(function));
-        let link = link.map(|link| planning.model.frame_index(link).expect("a link"));
+        let link = link.map(|link| planning.model.link_index(link).expect("a link"));
         operations(&planning, planned.expect("planned"), link)
     };
     let fused = all.iter().find(|planned| planned.function.is_none()).expect("planned");

@@ -542,15 +542,16 @@ fn forces_close(model: Model) {
         let [q, qd, tau] = state(&mut interpreter, &mut random);
         let settings = ConstraintSettings::<f64>::DEFAULT;
         let (qdd, forces) = constrained(&mut interpreter, (&q, &qd, &tau), &settings);
-        let mut wrenches = vec![Wrench::zero(); interpreter.model().frames().len()];
+        let mut wrenches = vec![Wrench::zero(); interpreter.model().links().len()];
         for (constraint, wrench) in loop_constraints.iter().zip(&forces) {
-            let [first, second] = constraint.ends.each_ref().map(|end| {
-                interpreter.link_pose(&q, end.frame).expect("a link").compose(&end.pose)
-            });
+            let [first, second] = constraint
+                .ends
+                .each_ref()
+                .map(|end| interpreter.link_pose(&q, end.link).expect("a link").compose(&end.pose));
             let force = first.rotate(wrench.force.0);
             let moment = first.rotate(wrench.moment.0);
             for (sign, end) in [(-1.0, 0), (1.0, 1)] {
-                let frame = constraint.ends[end].frame;
+                let frame = constraint.ends[end].link;
                 let origin = interpreter.link_pose(&q, frame).expect("a link").translation;
                 let [x, y, z]: [f64; 3] =
                     std::array::from_fn(|i| second.translation[i] - origin[i]);
@@ -896,7 +897,7 @@ fn loops_are_read_as_they_are_written() {
     let [point, rigid, hinge, slide] = model.loop_constraints() else { panic!("four loops") };
     assert_eq!((point.name.as_str(), point.kind), ("point", LoopConstraintKind::Point));
     let links = |constraint: &modyn_runtime::model::LoopConstraint| {
-        constraint.ends.each_ref().map(|end| model.frames()[end.frame].name.clone())
+        constraint.ends.each_ref().map(|end| model.links()[end.link].name.clone())
     };
     assert_eq!(links(point), ["base", "tool"]);
     let [first, second] = &point.ends;
@@ -928,8 +929,8 @@ fn a_model_says_what_is_wrong_with_its_loop_constraints() {
     use ModelErrorKind::{
         Axis, DuplicateName, LoopConstraintEnds, LoopConstraintLink, NotFinite, Rotation,
     };
-    assert_eq!(kinds(&|c| c[0].ends[0].frame = 99), [LoopConstraintLink]);
-    assert_eq!(kinds(&|c| c[0].ends[0].frame = c[0].ends[1].frame), [LoopConstraintEnds]);
+    assert_eq!(kinds(&|c| c[0].ends[0].link = 99), [LoopConstraintLink]);
+    assert_eq!(kinds(&|c| c[0].ends[0].link = c[0].ends[1].link), [LoopConstraintEnds]);
     assert_eq!(kinds(&|c| c.push(c[0].clone())), [DuplicateName]);
     assert_eq!(kinds(&|c| c[0].ends[0].pose.translation[1] = f64::NAN), [NotFinite]);
     assert_eq!(kinds(&|c| c[0].ends[1].pose.rotation[0][0] = -1.0), [Rotation]);

@@ -75,13 +75,13 @@ fn robot(own: &[Inertial; LINKS.len()], loads: &[(usize, Inertial)], gravity: [f
     let model = model.with_springs(vec![spring(0), spring(2)]).expect("good springs");
     // Loads are not compensated.
     let mut factors = vec![0.0, 0.6, -0.3, 0.0, 1.2, 0.5, 0.8];
-    factors.resize(model.frames().len(), 0.0);
+    factors.resize(model.links().len(), 0.0);
     model.with_gravity_compensation(factors).expect("a factor for each frame")
 }
 
 /// Returns the index of a link among the robot's frames.
 fn frame(model: &Model, link: usize) -> usize {
-    model.frame_index(LINKS[link]).expect("a link")
+    model.link_index(LINKS[link]).expect("a link")
 }
 
 fn numbers(inertial: &Inertial) -> Vec<f64> {
@@ -199,7 +199,7 @@ fn only_joints_without_other_inertia_are_checked() {
     };
     // Coordinates stand depth first: the order of the joints in the tree.
     let entry = |link: &str| {
-        let moving = model.links().iter().position(|l| l.name == link).expect("moves");
+        let moving = model.moving_links().iter().position(|l| l.name == link).expect("moves");
         model.v_range(moving).start
     };
     let (wrist, slider) = (entry("wrist"), entry("slider"));
@@ -299,7 +299,7 @@ fn lengths_of_contacts_follow_the_description() {
         Inertial { mass: 3.0 * light.mass, inertia: light.inertia.map(|x| 3.0 * x), ..light };
     for (own, is_same) in [(heavy, true), (wide, false)] {
         let mut set = walker(&light);
-        let left = set.model().frame_index("left").expect("a link");
+        let left = set.model().link_index("left").expect("a link");
         set.set_inertial(left, &own).expect("physical");
         let (set, described) = (carrying(&mut set), carrying(&mut walker(&own)));
         let found = difference(&set, &described);

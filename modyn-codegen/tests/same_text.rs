@@ -78,8 +78,8 @@ fn long(builder: Builder) -> Builder {
 fn with_inertia(builder: Builder) -> Builder {
     let only = builder.clone().functions([Function::PotentialEnergy]).generate();
     let model = only.ok().map(|only| only.model);
-    let links = model.as_ref().map_or(&[][..], |model| model.links());
-    let name = |link: Option<&modyn_runtime::model::Link>| link.map(|link| link.name.clone());
+    let links = model.as_ref().map_or(&[][..], |model| model.moving_links());
+    let name = |link: Option<&modyn_runtime::model::MovingLink>| link.map(|link| link.name.clone());
     builder.runtime_inertia(name(links.last())).payload(name(links.first()))
 }
 

@@ -84,7 +84,7 @@ fn a_file_needs_nothing_but_core() {
     for (name, float, functions) in robots {
         let builder = Builder::new().urdf(robot(&format!("{name}.urdf"))).scalar(float);
         let builder = builder.functions(functions.iter().copied()).self_contained();
-        let link = builder.generate().expect("good").model.links()[0].name.clone();
+        let link = builder.generate().expect("good").model.moving_links()[0].name.clone();
         let fused = FusedFunction::new("state")
             .of_link(Function::Jacobian, link)
             .function(Function::Brge)
@@ -99,7 +99,7 @@ fn a_file_needs_nothing_but_core() {
         syn::parse_file(&text).expect("Rust");
         assert!(compiles(&file, "#![forbid(unsafe_code)]\n#![deny(warnings, missing_docs)]"));
         // Payloads need further parts of the runtime.
-        let link = builder.generate().expect("good").model.links()[0].name.clone();
+        let link = builder.generate().expect("good").model.moving_links()[0].name.clone();
         let file = folder.join(format!("{name}_payload.rs"));
         builder
             .runtime_inertia([&link])
@@ -121,7 +121,7 @@ fn a_file_compiles_in_every_edition() {
         FusedFunction::new("state").function(Function::LinkPoses).function(Function::MassMatrix);
     let builder = builder.functions(Function::ALL.iter().copied()).self_contained();
     let builder = builder.fused([fused]);
-    let link = builder.generate().expect("good").model.links()[0].name.clone();
+    let link = builder.generate().expect("good").model.moving_links()[0].name.clone();
     let file = folder.join("zoo.rs");
     builder.payload([link]).runtime_gravity().write(&file).expect("good");
     let rustc = std::env::var_os("RUSTC").unwrap_or("rustc".into());

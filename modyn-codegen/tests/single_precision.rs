@@ -164,8 +164,8 @@ fn steps_reach_the_default_tolerance() {
     let options = ReadOptions { base: Base::Floating, ..ReadOptions::default() };
     let model = read(&text("quadruped"), "quadruped", &options).expect("good").model;
     let foot = |link: &str| {
-        let frame = model.frame_index(link).expect("a foot");
-        let end = LoopConstraintEnd { frame, pose: Pose::identity() };
+        let frame = model.link_index(link).expect("a foot");
+        let end = LoopConstraintEnd { link: frame, pose: Pose::identity() };
         Contact { name: link.into(), kind: ContactKind::Point, end }
     };
     let feet = ["front_left_foot", "front_right_foot", "hind_left_foot", "hind_right_foot"];

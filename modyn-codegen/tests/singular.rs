@@ -3,7 +3,7 @@
 use modyn_codegen::diagnostics::Code;
 use modyn_codegen::{Builder, joints_without_inertia};
 use modyn_runtime::joint::JointType;
-use modyn_runtime::model::{Frame, Joint, Link, Model};
+use modyn_runtime::model::{Joint, Link, Model, MovingLink};
 use modyn_runtime::{Inertial, Interpreter, Pose};
 
 /// A source of pseudo-random small numbers.
@@ -46,12 +46,17 @@ fn tree(seed: u64, inertias: &[Inertial]) -> Model {
         let origin = Pose { translation, ..Pose::identity() };
         let joint_type = types[dice.below(4)];
         let joint = Joint::new(format!("joint{i}"), joint_type, dice.axis(), origin);
-        Link { name: format!("link{i}"), parent: i.checked_sub(1), joint, inertial: *inertial }
+        MovingLink {
+            name: format!("link{i}"),
+            parent: i.checked_sub(1),
+            joint,
+            inertial: *inertial,
+        }
     });
-    let links: Vec<Link> = links.collect();
-    let frame = |(i, link): (usize, &Link)| Frame {
+    let links: Vec<MovingLink> = links.collect();
+    let frame = |(i, link): (usize, &MovingLink)| Link {
         name: link.name.clone(),
-        link: Some(i),
+        moving_link: Some(i),
         pose: Pose::identity(),
         inertial: link.inertial,
     };

@@ -39,7 +39,7 @@ impl UserFunction<3> for Reach {
         robot: &mut Interpreter<S>,
         [q, qd, target]: [&[S]; 3],
     ) -> Result<Vec<S>, UserError> {
-        let frame = robot.model().frame_index(self.link);
+        let frame = robot.model().link_index(self.link);
         let frame = frame.ok_or_else(|| format!("there is no link `{}`", self.link))?;
         let pose = robot.link_pose(q, frame)?;
         let squares = pose.translation.iter().zip(target).map(|(&x, &t)| (x - t) * (x - t));

@@ -73,7 +73,7 @@ fn settings() -> ConstraintSettings<f64, [ContactTarget<f64>; 4]> {
 /// Returns the state after the steps in double precision, and the heights of the feet.
 fn expected(q: &[f64], goals: &[f64]) -> (Vec<f64>, Vec<f64>) {
     let mut interpreter = Interpreter::<f64>::new(quadruped().plan().expect("good").model);
-    let frames = FEET.map(|foot| interpreter.model().frame_index(foot).expect("a foot"));
+    let frames = FEET.map(|foot| interpreter.model().link_index(foot).expect("a foot"));
     let settings = settings();
     let (mut q, mut qd) = (q.to_vec(), vec![0.0; 18]);
     let mut heights = vec![];

@@ -185,7 +185,7 @@ fn functions_of_the_user() {
     let options =
         RolloutOptions { cost: Some(cost.into()), forces: Some(forces), active_contacts: None };
     let model = builder.generate().expect("good").model;
-    let hand = model.frames().iter().position(|frame| frame.name == "hand").expect("a hand");
+    let hand = model.links().iter().position(|link| link.name == "hand").expect("a hand");
     // The interpreter has the gravity of the description: the run-time gravity becomes its own.
     let [small, large, x, y, z] = [0.7_f32, 0.3, 0.2, -0.4, 0.9].map(f64::from);
     let user = User {

@@ -82,8 +82,8 @@ impl<S: Real> RunTimeParameters<S> {
         let joint = |v: &usize| {
             let is_independent =
                 |i: &usize| model.mimic(*i).is_none() && model.v_range(*i).contains(v);
-            let link = (0..model.links().len()).find(is_independent);
-            link.map_or(String::new(), |link| model.links()[link].joint.name.clone())
+            let link = (0..model.moving_links().len()).find(is_independent);
+            link.map_or(String::new(), |link| model.moving_links()[link].joint.name.clone())
         };
         let pivots = plan.inertia_pivots.as_ref();
         Self {
@@ -114,7 +114,7 @@ impl<S: Real> RunTimeParameters<S> {
         link: &str,
         inertial: &Inertial<S>,
     ) -> Result<(), ParameterError<S>> {
-        let frame = model.frames().iter().position(|frame| frame.name == link);
+        let frame = model.links().iter().position(|frame| frame.name == link);
         let inertias = self.parameters.inertias.iter().map(|(frame, _)| *frame);
         let payloads = self.parameters.payloads.iter().copied();
         let (option, place) = if is_payload {

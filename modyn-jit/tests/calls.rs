@@ -16,7 +16,7 @@ fn wrong_calls_name_the_error() {
     let mut qdd = [7.0; 6];
     let dynamics = arm.function(Function::ForwardDynamics).expect("compiled");
     let jacobian = arm.function(Function::Jacobian).expect("compiled");
-    let links = arm.model().frames().len();
+    let links = arm.model().links().len();
     let cases = [
         (
             arm.inverse_dynamics(&q, &q, &q, &mut qdd),

@@ -188,17 +188,18 @@ fn hessians_of_an_arm_on_a_moving_frame() {
 
 /// Returns the model with contacts on the last links of some limbs.
 fn with_contacts(model: Model, random: &mut random::Random) -> Model {
-    let is_parent = |i: usize| model.links().iter().any(|link| link.parent == Some(i));
-    let mut tips: Vec<usize> = (0..model.links().len()).filter(|&i| !is_parent(i)).collect();
+    let is_parent = |i: usize| model.moving_links().iter().any(|link| link.parent == Some(i));
+    let mut tips: Vec<usize> = (0..model.moving_links().len()).filter(|&i| !is_parent(i)).collect();
     while tips.len() > 3 {
         tips.swap_remove(random.below(tips.len()));
     }
-    let frame = |link: &usize| model.frames().iter().position(|frame| frame.link == Some(*link));
+    let frame =
+        |link: &usize| model.links().iter().position(|frame| frame.moving_link == Some(*link));
     let contacts = tips.iter().map(|link| {
         let translation = std::array::from_fn(|_| random.between(-0.3, 0.3));
         let frame = frame(link).expect("a frame on each link");
         let kind = if random.chance(0.3) { ContactKind::Surface } else { ContactKind::Point };
-        let end = LoopConstraintEnd { frame, pose: Pose { translation, ..Pose::identity() } };
+        let end = LoopConstraintEnd { link: frame, pose: Pose { translation, ..Pose::identity() } };
         model::Contact { name: format!("contact{link}"), kind, end }
     });
     let contacts = contacts.collect();

@@ -167,7 +167,7 @@ fn agrees(model: &Model, links: &[&str], configure: impl Fn(Builder) -> Builder)
                     match link {
                         None => one.one(&own, &mut expected).expect("fits"),
                         Some(link) => {
-                            let frame = model.frame_index(link).expect("a link");
+                            let frame = model.link_index(link).expect("a link");
                             one.link(frame, &own, &mut expected).expect("fits");
                         }
                     }
@@ -207,7 +207,7 @@ fn graphs_in_fused_functions() {
 }
 
 fn link_names(model: &Model) -> Vec<&str> {
-    model.frames().iter().map(|frame| frame.name.as_str()).collect()
+    model.links().iter().map(|link| link.name.as_str()).collect()
 }
 
 #[test]
@@ -223,7 +223,7 @@ fn random_robots() {
 fn run_time_parameters() {
     let model = random::general_zoo(3, 4);
     let links = link_names(&model);
-    let moving: Vec<&str> = model.links().iter().map(|link| link.name.as_str()).collect();
+    let moving: Vec<&str> = model.moving_links().iter().map(|link| link.name.as_str()).collect();
     agrees(&model, &links, |builder| {
         builder.runtime_gravity().runtime_inertia([moving[1]]).payload([moving[3]])
     });

@@ -68,7 +68,7 @@ fn agrees(model: &Model, seed: u64, functions: &[Function]) {
             let call = compiled.function(function).expect("compiled");
             let arguments = arguments(function, model, &state);
             let slices: Vec<&[f64]> = arguments.iter().map(Vec::as_slice).collect();
-            let found = computed(&call, &slices, model.frames().len());
+            let found = computed(&call, &slices, model.links().len());
             let expected = interpreted(&mut interpreter, function, &arguments);
             close(function.name(), &found, &expected);
         }

@@ -18,7 +18,7 @@ fn load() -> Inertial<f64> {
 #[test]
 fn parameters_are_as_the_interpreter_has_them() {
     let model = robot("arm7").plan().expect("good").model;
-    let links: Vec<String> = model.links().iter().map(|link| link.name.clone()).collect();
+    let links: Vec<String> = model.moving_links().iter().map(|link| link.name.clone()).collect();
     let (own, carrying) = (links[3].clone(), links[6].clone());
     let builder = robot("arm7")
         .functions([Function::ForwardDynamics])
@@ -30,7 +30,7 @@ fn parameters_are_as_the_interpreter_has_them() {
     let mut compiled = Compiled::<f64>::build(&builder, options).expect("code");
     let mut interpreter = Interpreter::<f64>::new(model.clone());
     let random::State { q, qd, tau, .. } = random::state(5, &model);
-    let frame = |name: &str| model.frames().iter().position(|f| f.name == name).expect("a link");
+    let frame = |name: &str| model.links().iter().position(|f| f.name == name).expect("a link");
     let mut before = vec![0.0; model.nv()];
     for change in 0..4 {
         match change {
@@ -68,7 +68,7 @@ fn parameters_are_as_the_interpreter_has_them() {
 #[test]
 fn wrong_parameters_are_refused() {
     let model = robot("arm6").plan().expect("good").model;
-    let last = model.links()[5].name.clone();
+    let last = model.moving_links()[5].name.clone();
     let functions = [Function::ForwardDynamics];
     let constant = robot("arm6").functions(functions);
     let mut constant = Compiled::<f32>::build(&constant, Options::default()).expect("code");

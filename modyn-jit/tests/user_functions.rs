@@ -28,7 +28,7 @@ impl UserFunction<3> for Terms {
         robot: &mut Interpreter<S>,
         [q, qd, target]: [&[S]; 3],
     ) -> Result<Vec<S>, UserError> {
-        let pose = robot.link_pose(q, robot.model().frames().len() - 1)?;
+        let pose = robot.link_pose(q, robot.model().links().len() - 1)?;
         let squares = pose.translation.iter().zip(target).map(|(&x, &t)| (x - t) * (x - t));
         let distance = squares.fold(S::zero(), |sum, square| sum + square).sqrt();
         Ok(vec![robot.kinetic_energy(q, qd)?, distance])

@@ -36,7 +36,7 @@ impl Change {
     /// If gravity is not finite, no rigid body has the inertia, or the robot has no such link.
     pub fn set(&self, interpreter: &mut Interpreter<f64>) -> Result<(), String> {
         let frame = |interpreter: &Interpreter<f64>, link: &str| {
-            interpreter.model().frame_index(link).ok_or_else(|| self.missing())
+            interpreter.model().link_index(link).ok_or_else(|| self.missing())
         };
         match self {
             Self::Gravity(gravity) if gravity.iter().all(|x| x.is_finite()) => {

@@ -40,7 +40,7 @@ impl<S: Number> ParameterNumbers<S> {
     ///
     /// If the robot does not have the parameter.
     pub fn apply(&mut self, change: &Change, model: &Model) -> Result<(), String> {
-        let frame = |link: &str| model.frame_index(link).unwrap_or(usize::MAX);
+        let frame = |link: &str| model.link_index(link).unwrap_or(usize::MAX);
         let (place, new) = match change {
             Change::Gravity(gravity) => (self.parameters.gravity.then_some(0), gravity.to_vec()),
             Change::Inertia(link, inertial) => {

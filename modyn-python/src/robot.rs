@@ -11,7 +11,7 @@ use modyn_codegen::{
     Builder, FloatType, Function, FusedFunction, ReadOptions, Shapes, joints_without_inertia,
 };
 use modyn_runtime::equations::identification::{BaseParameter, BaseParameters};
-use modyn_runtime::model::{Keyframe, Link, Model, ModuleTree};
+use modyn_runtime::model::{Keyframe, Model, ModuleTree, MovingLink};
 use modyn_runtime::{ContactSurface, Inertial, Interpreter};
 use numpy::prelude::*;
 use numpy::{PyArray1, PyArray2, PyArrayDescr};
@@ -112,9 +112,9 @@ impl Robot {
         let fused = names.zip(fused).map(|(name, fused)| (name, fused, OnceLock::new()));
         let model = planning.model;
         let parameters = planning.plan.parameters;
-        let links = model.frames().iter().enumerate();
+        let links = model.links().iter().enumerate();
         let without_inertia = joints_without_inertia(&model);
-        let name = |&joint: &usize| model.links()[joint].joint.name.clone();
+        let name = |&joint: &usize| model.moving_links()[joint].joint.name.clone();
         Ok(Self {
             without_inertia: without_inertia.first().map(name),
             links: links.map(|(i, frame)| (frame.name.clone(), i)).collect(),
@@ -161,7 +161,7 @@ impl Robot {
     /// Returns the index of the link of this name.
     fn link_named(&self, name: &str) -> PyResult<usize> {
         self.links.get(name).copied().ok_or_else(|| {
-            let names = self.model.frames().iter().map(|frame| frame.name.as_str());
+            let names = self.model.links().iter().map(|link| link.name.as_str());
             let help = match suggest(name, names) {
                 Some(meant) => format!("did you mean `{meant}`?"),
                 None => "`link_names` has all links".into(),
@@ -182,7 +182,7 @@ impl Robot {
         let index: usize = link.extract().map_err(|_| {
             PyTypeError::new_err("`link` must be the name of a link or its index in `link_names`")
         })?;
-        let count = self.model.frames().len();
+        let count = self.model.links().len();
         if index < count {
             return Ok(index);
         }
@@ -244,7 +244,7 @@ impl Robot {
                 let message = format!(
                     "`{}` of {} joints is too long for machine code; it is interpreted, which is slow",
                     function.name(),
-                    self.model.links().len()
+                    self.model.moving_links().len()
                 );
                 warn_of_machine_code(py, &message)?;
                 let function = function::interpreted(function, self.interpreter()?, self.scalar);
@@ -297,7 +297,7 @@ impl Robot {
     /// Returns the present inertial parameters of all moving links.
     fn present_parameters(&self) -> PyResult<Vec<f64>> {
         let interpreter = self.interpreter()?;
-        let links = 0..self.model.links().len();
+        let links = 0..self.model.moving_links().len();
         Ok(links.filter_map(|link| interpreter.inertial_parameters(link)).flatten().collect())
     }
 
@@ -347,7 +347,7 @@ impl Robot {
         let described = ParameterNumbers::of(&self.parameters, self.model.gravity());
         let numbers = self.changed::<f64>(&described)?;
         let Parameters { gravity, inertias, payloads, .. } = &self.parameters;
-        let name = |frame: usize| Some(self.model.frames()[frame].name.as_str());
+        let name = |frame: usize| Some(self.model.links()[frame].name.as_str());
         let gravity = gravity.then_some(("gravity", None, 3));
         let inertias = inertias.iter().map(|(frame, _)| ("inertia", name(*frame), 10));
         let payloads = payloads.iter().map(|frame| ("payload", name(*frame), 10));
@@ -378,8 +378,12 @@ impl Robot {
     }
 
     /// Returns the numbers of the joints that have coordinates of their own, one for each entry.
-    fn entries(&self, count: fn(&Link) -> usize, number: impl Fn(usize, &Link) -> f64) -> Vec<f64> {
-        let links = self.model.links().iter().enumerate();
+    fn entries(
+        &self,
+        count: fn(&MovingLink) -> usize,
+        number: impl Fn(usize, &MovingLink) -> f64,
+    ) -> Vec<f64> {
+        let links = self.model.moving_links().iter().enumerate();
         let independent = links.filter(|(_, link)| link.joint.mimic.is_none());
         independent.flat_map(|(i, link)| vec![number(i, link); count(link)]).collect()
     }
@@ -483,13 +487,13 @@ impl Robot {
     /// The names of the moving joints, depth first, including mimic joints.
     #[getter]
     fn joint_names(&self) -> Vec<&str> {
-        self.model.links().iter().map(|link| link.joint.name.as_str()).collect()
+        self.model.moving_links().iter().map(|link| link.joint.name.as_str()).collect()
     }
 
     /// The names of all links of the description, in its order.
     #[getter]
     fn link_names(&self) -> Vec<&str> {
-        self.model.frames().iter().map(|frame| frame.name.as_str()).collect()
+        self.model.links().iter().map(|link| link.name.as_str()).collect()
     }
 
     /// The name of each entry of `q`: the joint's name, and the component for joints with several
@@ -589,9 +593,9 @@ impl Robot {
     /// (nv,), rad/s or m/s; `effort` (nv,), N m or N.
     #[getter]
     fn limits<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let nq = |link: &Link| link.joint.joint_type.nq();
-        let nv = |link: &Link| link.joint.joint_type.nv();
-        let limits = |link: &Link| link.joint.limits;
+        let nq = |link: &MovingLink| link.joint.joint_type.nq();
+        let nv = |link: &MovingLink| link.joint.joint_type.nv();
+        let limits = |link: &MovingLink| link.joint.limits;
         let vectors = [
             self.entries(nq, |i, _| self.model.coordinate_range(i)[0]),
             self.entries(nq, |i, _| self.model.coordinate_range(i)[1]),
@@ -611,7 +615,7 @@ impl Robot {
         let class = py.import("modyn._types")?.getattr("Joint")?;
         // Without a step, as `slice(start, end)` has it.
         let slice = py.import("builtins")?.getattr("slice")?;
-        let links = self.model.links().iter().enumerate();
+        let links = self.model.moving_links().iter().enumerate();
         let independent = links.filter(|(_, link)| link.joint.mimic.is_none());
         independent
             .map(|(i, link)| {
@@ -628,7 +632,7 @@ impl Robot {
     /// Returns the mimic joints that follow others: the name of each, the entries of `q` and `qd`
     /// of its leader, and the multiplier and the offset of its coordinate. For `modyn.conventions`.
     fn _followers(&self) -> Vec<(&str, usize, usize, f64, f64)> {
-        let links = self.model.links().iter().enumerate();
+        let links = self.model.moving_links().iter().enumerate();
         let followers = links.filter_map(|(i, link)| {
             let mimic = self.model.mimic(i)?;
             let q = self.model.q_range(i).start;

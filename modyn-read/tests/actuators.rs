@@ -42,7 +42,7 @@ fn model(actuators: &[JointActuator]) -> Model {
 /// Returns the joint of an actuator.
 fn joint<'m>(model: &'m Model, actuator: &Actuator) -> &'m str {
     let Transmission::Joint(link) = actuator.transmission else { panic!("a joint") };
-    &model.links()[link].joint.name
+    &model.moving_links()[link].joint.name
 }
 
 #[test]
@@ -53,7 +53,7 @@ fn patterns_name_joints_with_one_degree_of_freedom_and_limits_are_the_descriptio
     let robot = model(&[slide, knee, pd]);
     // In the order of the joints of the robot, not of the text or of the options.
     let joints = ["left_hip", "left_knee", "right_hip", "right_slide"];
-    let tree_order: Vec<&str> = robot.links().iter().map(|link| &*link.joint.name).collect();
+    let tree_order: Vec<&str> = robot.moving_links().iter().map(|link| &*link.joint.name).collect();
     let with_actuator = tree_order.iter().filter(|name| joints.contains(name)).copied();
     assert_eq!(robot.control_names(), with_actuator.collect::<Vec<_>>());
     let actuators = &robot.actuation().actuators;
@@ -71,7 +71,7 @@ fn patterns_name_joints_with_one_degree_of_freedom_and_limits_are_the_descriptio
     assert_eq!(actuator("right_hip"), (None, Some([30.0, 8.0])));
     assert_eq!(actuator("right_slide"), (Some([-40.0, 40.0]), None));
     // The option's largest force replaces the joint's effort limit.
-    let slide = robot.links().iter().find(|link| link.joint.name == "right_slide");
+    let slide = robot.moving_links().iter().find(|link| link.joint.name == "right_slide");
     assert_eq!(slide.and_then(|link| link.joint.limits?.effort), Some(40.0));
     // A mimic joint has an actuator by its own name, or if it has a coordinate of its own.
     let all = JointActuator::motor("*").with_effort(1.0);
@@ -280,7 +280,7 @@ fn the_line_and_the_delay_are_isaac_labs() {
         robot.actuation().actuators[0].torque_speed_line,
         Some(TorqueSpeedLine { stall_force: saturation, no_load_speed: velocity })
     );
-    let knee = robot.links().iter().position(|link| link.joint.name == "left_knee");
+    let knee = robot.moving_links().iter().position(|link| link.joint.name == "left_knee");
     let link = knee.expect("a joint");
     let [place, rate] = [robot.q_range(link).start, robot.v_range(link).start];
     let mut interpreter = Interpreter::<f64>::new(robot.clone());

@@ -101,9 +101,9 @@ fn close(a: &[f64], b: &[f64]) -> bool {
 
 /// The numbers of a shape on the body that moves its link.
 fn on_body(model: &Model, shape: &TouchingShape) -> Vec<f64> {
-    let frame = &model.frames()[shape.end.frame];
+    let frame = &model.links()[shape.end.link];
     let pose = frame.pose.compose(&shape.end.pose);
-    let mut numbers = vec![frame.link.expect("a link that moves") as f64];
+    let mut numbers = vec![frame.moving_link.expect("a link that moves") as f64];
     numbers.extend(pose.rotation.as_flattened());
     numbers.extend(pose.translation);
     numbers.extend(shape.shape.numbers());

@@ -54,7 +54,7 @@ impl Case {
         };
         let before = counted_steps();
         let errors = match read(&text, self.file, &options) {
-            Ok(reading) => reading.model.frames().first().map_or("no links", |_| "").to_owned(),
+            Ok(reading) => reading.model.links().first().map_or("no links", |_| "").to_owned(),
             Err(errors) => errors.to_string(),
         };
         (counted_steps() - before, errors)

@@ -181,7 +181,7 @@ fn a_forest_of_joints() {
     }
     text += "</robot>";
     let model = read(&text, "r.urdf", &ReadOptions::default()).expect("large, but good").model;
-    assert_eq!(model.links().len(), many());
+    assert_eq!(model.moving_links().len(), many());
 }
 
 fn sdf(inside: &str) -> String {
@@ -202,7 +202,7 @@ fn poses_relative_to_poses_without_end() {
     assert!(codes(&refused(&cycle)).contains(&Code::FrameCycle));
     let chain = sdf(&format!("{frames}<frame name='f{n}'/>"));
     let model = read(&chain, "hostile.sdf", &ReadOptions::default()).expect("a long chain").model;
-    let first = model.frames().iter().find(|frame| frame.name == "f0").expect("the first");
+    let first = model.links().iter().find(|link| link.name == "f0").expect("the first");
     let z = first.pose.translation[2];
     assert!((z - 1e-9 * n as f64).abs() < 1e-9, "{z}");
     // The same for links that frames are attached to.
@@ -390,7 +390,7 @@ fn classes_without_end() {
     let bodies = repeated(n, "<body childclass='c#'><joint type='hinge'/><geom/></body>");
     let text = mjcf(&format!("<default>{classes}</default><worldbody>{bodies}</worldbody>"));
     let model = read(&text, "hostile.xml", &ReadOptions::default()).expect("large").model;
-    assert_eq!(model.links().len(), n);
+    assert_eq!(model.moving_links().len(), n);
     let geoms = "<geom size='1'/>".repeat(many());
     let text = mjcf(&format!("<default>{geoms}</default><worldbody/>"));
     assert!(codes(&refused(&text)).contains(&Code::Excessive));
@@ -433,7 +433,7 @@ fn hulls_of_circles() {
         ));
         read(&text, "hostile.xml", &ReadOptions::default())
     };
-    let mass = hull(2000).expect("a drum").model.links()[0].inertial.mass;
+    let mass = hull(2000).expect("a drum").model.moving_links()[0].inertial.mass;
     assert!((mass / (1000.0 * std::f64::consts::PI) - 1.0).abs() < 1e-4, "{mass}");
     let found = hull(many()).expect_err("too long").to_string();
     assert!(found.contains("has a convex hull of too many vertices in common planes"), "{found}");

@@ -84,7 +84,7 @@ fn the_same_arm_gives_the_same_numbers() {
         let theirs = modyn_read::read(ARM_URDF, "arm.urdf", &options).expect("a URDF").model;
         let names = |model: &Model| model.coordinate_names();
         assert_eq!(names(&ours), names(&theirs));
-        for (a, b) in ours.links().iter().zip(theirs.links()) {
+        for (a, b) in ours.moving_links().iter().zip(theirs.moving_links()) {
             assert_eq!(a.joint.joint_type, b.joint.joint_type);
             assert_eq!(a.joint.dynamics, b.joint.dynamics);
             let range = |limits: Option<modyn_runtime::model::Limits>| {
@@ -94,7 +94,7 @@ fn the_same_arm_gives_the_same_numbers() {
             assert_eq!(range(a.joint.limits), range(b.joint.limits));
         }
         // The body's frame is MuJoCo's frame, which is not at the elbow's anchor.
-        let lower = ours.frames().iter().find(|frame| frame.name == "lower").expect("its link");
+        let lower = ours.links().iter().find(|frame| frame.name == "lower").expect("its link");
         assert_eq!(lower.pose.translation, [-0.02, 0.0, -0.01]);
         assert_same_numbers(ours, theirs);
     }
@@ -257,7 +257,7 @@ fn faces_with_many_corners_are_left_out() {
             <geom type="mesh" mesh="m" density="1"/></body></worldbody></mujoco>"#;
         let options = ReadOptions { folder: Some(folder.clone()), ..ReadOptions::default() };
         let reading = modyn_read::read_mjcf(text, "m.xml", &options).expect("an MJCF");
-        reading.model.links()[0].inertial.mass
+        reading.model.moving_links()[0].inertial.mass
     };
     let tetrahedron = 1.5 + 0.75_f64.sqrt();
     assert!((area(101) - tetrahedron).abs() < 1e-6, "{}", area(101));
@@ -275,7 +275,7 @@ fn hulls_of_points_in_planes() {
             <joint/><geom pos="1 2 3" {geom}/></body></worldbody></mujoco>"#
         )
     };
-    let inertial = |text: &str| read(text).expect(text).links()[0].inertial;
+    let inertial = |text: &str| read(text).expect(text).moving_links()[0].inertial;
     let numbers = |inertial: modyn_runtime::Inertial| {
         let mut all = vec![inertial.mass];
         all.extend(inertial.center_of_mass.iter().chain(&inertial.inertia));
@@ -348,7 +348,8 @@ fn several_joints_of_a_body_and_balls() {
       </robot>"#;
     let model = read(mjcf).expect("an MJCF");
     assert_eq!(model.gravity(), [1.0, 2.0, 3.0]);
-    let names: Vec<&str> = model.links().iter().map(|link| link.joint.name.as_str()).collect();
+    let names: Vec<&str> =
+        model.moving_links().iter().map(|link| link.joint.name.as_str()).collect();
     assert_eq!(names, ["body_1_joint", "body_1_joint_2", "ball"]);
     let on_earth = ReadOptions { gravity: Some([0.0, 0.0, -9.81]), ..ReadOptions::default() };
     let asked = modyn_read::read_mjcf(mjcf, "m.xml", &on_earth).expect("an MJCF").model;
@@ -447,10 +448,14 @@ fn ranges_of_joint_forces_are_effort_limits() {
     let reading = modyn_read::read_mjcf(&text(""), "m.xml", &ReadOptions::default());
     let reading = reading.expect("an MJCF");
     let efforts = |model: &Model| -> Vec<Option<f64>> {
-        model.links().iter().map(|link| link.joint.limits.and_then(|own| own.effort)).collect()
+        model
+            .moving_links()
+            .iter()
+            .map(|link| link.joint.limits.and_then(|own| own.effort))
+            .collect()
     };
     assert_eq!(efforts(&reading.model), joints.map(|(_, effort)| effort));
-    let first = &reading.model.links()[0].joint;
+    let first = &reading.model.moving_links()[0].joint;
     assert_eq!(first.joint_type, JointType::Continuous);
     assert!(reading.warnings.is_empty(), "{:?}", reading.warnings);
     let ranges = &reading.model.actuation().joint_force_ranges;
@@ -498,9 +503,9 @@ fn servo_actuators_are_named_and_sites_are_frames() {
     assert_eq!(reading.model.control_names(), ["j"]);
     let frames: Vec<_> = reading
         .model
-        .frames()
+        .links()
         .iter()
-        .map(|frame| (frame.name.as_str(), frame.link, frame.pose.translation))
+        .map(|frame| (frame.name.as_str(), frame.moving_link, frame.pose.translation))
         .collect();
     let expected = [
         ("world", None, [0.0; 3]),
@@ -534,7 +539,7 @@ fn springs_and_compensated_gravity_are_read() {
     };
     let model = read(r#"gravity="enable""#);
     let springs = model.springs().iter().map(|spring| {
-        let joint = &model.links()[spring.link].joint;
+        let joint = &model.moving_links()[spring.link].joint;
         (joint.joint_type, spring.stiffness, spring.reference.clone())
     });
     let expected = [
@@ -544,7 +549,7 @@ fn springs_and_compensated_gravity_are_read() {
         (JointType::Floating, 5.0, vec![1.0, 2.0, 3.0, 0.0, 0.0, 1.0, 0.0]),
     ];
     assert_eq!(springs.collect::<Vec<_>>(), expected);
-    let factors = model.frames().iter().zip(model.gravity_compensation());
+    let factors = model.links().iter().zip(model.gravity_compensation());
     let factors = factors.filter(|(_, factor)| **factor != 0.0);
     let factors: Vec<_> = factors.map(|(frame, factor)| (&*frame.name, *factor)).collect();
     assert_eq!(factors, [("a", 1.0), ("c", 0.5)]);
@@ -564,7 +569,7 @@ fn dampers_follow_from_time_constants() {
     );
     for text in [text, &without, &coupled] {
         let model = read(text).expect("an MJCF");
-        let damping = model.links().iter().map(|link| link.joint.dynamics.damping);
+        let damping = model.moving_links().iter().map(|link| link.joint.dynamics.damping);
         let damping: Vec<f64> = damping.filter(|damping| *damping != 0.0).collect();
         let expected = [
             2.471038296767137,
@@ -606,7 +611,7 @@ fn ranges_of_actuators_are_effort_limits() {
                 r#"<mujoco model="m"><option><flag {flag}/></option><worldbody><body><joint name="j"/><geom size="0.1"/></body>
                 </worldbody><actuator>{actuators}</actuator></mujoco>"#
             ));
-            model.expect(actuators).links()[0].joint.limits.and_then(|limits| limits.effort)
+            model.expect(actuators).moving_links()[0].joint.limits.and_then(|limits| limits.effort)
         };
         assert_eq!(found(""), effort, "{actuators}");
         assert_eq!(found("actuation=\"disable\""), None, "{actuators}");
@@ -707,9 +712,9 @@ fn switches_change_what_is_read() {
     let found = |flag: &str| {
         let reading = model(flag);
         let model = reading.model;
-        let joint = &model.links()[0].joint.dynamics;
+        let joint = &model.moving_links()[0].joint.dynamics;
         let is_follower = model.mimic(1).is_some();
-        let is_damped = model.links()[1].joint.dynamics.damping > 0.0;
+        let is_damped = model.moving_links()[1].joint.dynamics.damping > 0.0;
         assert_eq!(model.loop_constraints().is_empty(), !is_follower, "{flag}");
         assert_eq!(is_damped, joint.damping > 0.0, "{flag}");
         // Gravity compensation and fluids are passive forces, as springs and dampers.
@@ -1022,7 +1027,7 @@ fn constraints_between_bodies_are_loops() {
         let [found] = model.loop_constraints() else { panic!("{constraint}: no loop") };
         assert_eq!(found.kind, kind, "{constraint}");
         for (end, (link, position, rotation)) in found.ends.iter().zip(ends) {
-            assert_eq!(model.frames()[end.frame].name, link, "{constraint}");
+            assert_eq!(model.links()[end.link].name, link, "{constraint}");
             let near = |a: f64, b: f64| (a - b).abs() < 1e-12;
             let is_near = end.pose.translation.iter().zip(position).all(|(a, b)| near(*a, b))
                 && end
@@ -1067,7 +1072,10 @@ fn joints_that_follow_joints() {
     };
     let mimic = |constraint: &str| {
         let model = read(&text(constraint)).expect(constraint);
-        model.links()[1].joint.mimic.map(|mimic| (mimic.leader, mimic.multiplier, mimic.offset))
+        model.moving_links()[1]
+            .joint
+            .mimic
+            .map(|mimic| (mimic.leader, mimic.multiplier, mimic.offset))
     };
     // follower - 0.5 = 0.125 - 2 (leader - 0.25)
     let constraint = r#"<joint joint1="follower" joint2="leader" polycoef="0.125 -2 0 0 0"/>"#;
@@ -1075,7 +1083,7 @@ fn joints_that_follow_joints() {
     assert_eq!(mimic(r#"<joint joint1="follower" joint2="leader"/>"#), Some((0, 1.0, 0.25)));
     let fixed = read(&text(r#"<joint joint1="follower" polycoef="0.125"/>"#)).expect("one joint");
     assert_eq!(fixed.nv(), 1);
-    let frame = &fixed.frames()[fixed.frame_index("b").expect("it is a frame")];
+    let frame = &fixed.links()[fixed.link_index("b").expect("it is a frame")];
     // It is drawn at 0.5, and stays 0.125 from there.
     assert!((frame.pose.rotation[0][2] - 0.125_f64.sin()).abs() < 1e-15, "{:?}", frame.pose);
     for (wrong, code) in [
@@ -1107,7 +1115,10 @@ fn fixed_tendons_couple_joints() {
     };
     let mimic = |constraint: &str| {
         let model = read(&text(constraint)).expect(constraint);
-        model.links()[1].joint.mimic.map(|mimic| (mimic.leader, mimic.multiplier, mimic.offset))
+        model.moving_links()[1]
+            .joint
+            .mimic
+            .map(|mimic| (mimic.leader, mimic.multiplier, mimic.offset))
     };
     // 2 (b - 0.5) - 3 (a - 0.25) = 0.5
     let own = mimic(r#"<tendon tendon1="ab" polycoef="0.5"/>"#);
@@ -1185,9 +1196,9 @@ fn keyframes_are_named_coordinates() {
         ("drawn", "end", [1.5400506418078839, 2.613477641882264, 3.356335409678185]),
     ] {
         let q = &model.keyframe(key).expect("the keyframe").q;
-        let frame = model.frame_index(link).expect("the link");
+        let frame = model.link_index(link).expect("the link");
         let mut robot = Interpreter::<f64>::new(model.clone());
-        let mut poses = vec![modyn_runtime::Pose::identity(); model.frames().len()];
+        let mut poses = vec![modyn_runtime::Pose::identity(); model.links().len()];
         robot.link_poses(q, &mut poses).expect("sizes");
         for (found, expected) in poses[frame].translation.iter().zip(expected) {
             assert!((found - expected).abs() < 1e-12, "{key} {link}: {:?}", poses[frame]);
@@ -1346,7 +1357,7 @@ fn rotations_are_the_same_on_every_host() {
         "<mujoco model='m'><compiler angle='radian'/><worldbody>{bodies}</worldbody></mujoco>"
     );
     let model = read(&text).expect("good");
-    for (link, angle) in model.links().iter().zip(angles) {
+    for (link, angle) in model.moving_links().iter().zip(angles) {
         let (sin, cos) = libm::sincos(angle * 0.5);
         let expected = modyn_runtime::conventions::rotation_from_quaternion([0.0, 0.0, sin, cos]);
         assert_eq!(link.joint.origin.rotation, expected, "{angle}");

@@ -83,7 +83,7 @@ fn fixed_links_are_merged_into_the_link_that_carries_them() {
         </robot>"
     ))
     .model;
-    let [rod] = model.links() else { panic!("one link moves") };
+    let [rod] = model.moving_links() else { panic!("one link moves") };
     assert_eq!((rod.name.as_str(), rod.parent), ("rod", None));
     assert_eq!((rod.joint.name.as_str(), rod.joint.joint_type), ("hinge", JointType::Revolute));
     assert!(close(&rod.joint.origin.translation, &[0.0, 1.0, 2.0]));
@@ -102,7 +102,7 @@ fn fixed_links_are_merged_into_the_link_that_carries_them() {
     let [xx, xy, xz, yy, yz, zz] = [0.5 + 0.25, 0.25, 0.0, 0.75 + 0.25, 0.0, 0.875 + 0.5];
     assert!(close(&rod.inertial.inertia, &[xx, xy, xz, yy, yz, zz]), "{:?}", rod.inertial);
 
-    let frames: Vec<_> = model.frames().iter().map(|f| (f.name.as_str(), f.link)).collect();
+    let frames: Vec<_> = model.links().iter().map(|f| (f.name.as_str(), f.moving_link)).collect();
     let expected = [
         ("base", None),
         ("plinth", None),
@@ -111,7 +111,7 @@ fn fixed_links_are_merged_into_the_link_that_carries_them() {
         ("ball", Some(0)),
     ];
     assert_eq!(frames, expected);
-    let pose = |i: usize| &model.frames()[i].pose;
+    let pose = |i: usize| &model.links()[i].pose;
     assert!(close(&pose(1).translation, &[0.0, 0.0, 2.0]));
     assert!(close(&pose(2).translation, &[0.0; 3]));
     assert!(close(&pose(3).translation, &[1.0, 0.0, 0.0]));
@@ -128,7 +128,7 @@ fn roll_pitch_yaw_turns_about_x_then_y_then_z() {
         joint("j", "revolute", "a", "b")
     )
     .replace("<parent", "<origin rpy='0.1 0.2 0.3'/><parent");
-    let rotation = reading(&text).model.links()[0].joint.origin.rotation;
+    let rotation = reading(&text).model.moving_links()[0].joint.origin.rotation;
     let mut product = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     let (x, y, z) = (0.1_f64.sin_cos(), 0.2_f64.sin_cos(), 0.3_f64.sin_cos());
     for factor in [
@@ -158,9 +158,9 @@ fn links_are_depth_first_in_the_order_of_the_joints() {
     text += &joint("weld", "fixed", "base", "fix");
     text += "</robot>";
     let model = reading(&text).model;
-    let names: Vec<_> = model.links().iter().map(|l| l.name.as_str()).collect();
+    let names: Vec<_> = model.moving_links().iter().map(|l| l.name.as_str()).collect();
     assert_eq!(names, ["a", "c", "e", "f", "b", "d"]);
-    let parents: Vec<_> = model.links().iter().map(|l| l.parent).collect();
+    let parents: Vec<_> = model.moving_links().iter().map(|l| l.parent).collect();
     assert_eq!(parents, [None, Some(0), Some(0), None, None, Some(4)]);
 }
 
@@ -174,7 +174,7 @@ fn defaults_are_those_of_urdf() {
     )
     .replace("<parent", "<origin/><limit lower='-1'/><parent");
     let model = reading(&text).model;
-    let joint = &model.links()[0].joint;
+    let joint = &model.moving_links()[0].joint;
     assert_eq!(joint.axis, [1.0, 0.0, 0.0]);
     assert_eq!(joint.origin.translation, [0.0; 3]);
     assert_eq!(joint.origin.rotation, [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
@@ -204,17 +204,19 @@ fn gravity_must_be_finite() {
 #[test]
 fn joints_of_several_coordinates() {
     let model = good("/joint_types.urdf", &ReadOptions::default());
-    let types: Vec<_> = model.links().iter().map(|link| link.joint.joint_type.name()).collect();
+    let types: Vec<_> =
+        model.moving_links().iter().map(|link| link.joint.joint_type.name()).collect();
     let expected =
         ["floating", "planar", "spherical", "universal", "universal", "universal", "revolute"];
     assert_eq!(types, expected);
     assert_eq!((model.nq(), model.nv()), (21, 19));
-    let axes = |i: usize| (model.links()[i].joint.axis, model.links()[i].joint.second_axis);
+    let axes =
+        |i: usize| (model.moving_links()[i].joint.axis, model.moving_links()[i].joint.second_axis);
     let (x, y, z) = ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]);
     assert_eq!([0, 2, 3, 5].map(axes), [(z, y), (z, y), (x, y), (x, y)]);
     assert!(close(&axes(1).0, &[0.0, 0.6, 0.8]));
     assert!(axes(4).0 == z && close(&axes(4).1, &[0.0, 0.6, 0.8]));
-    let limits = model.links()[1].joint.limits.expect("limits");
+    let limits = model.moving_links()[1].joint.limits.expect("limits");
     assert_eq!((limits.lower, limits.upper), (None, None));
     assert_eq!((limits.effort, limits.velocity), (Some(3.0), Some(4.0)));
 }
@@ -222,7 +224,8 @@ fn joints_of_several_coordinates() {
 #[test]
 fn mimics_follow_wherever_their_leaders_stand() {
     let model = good("/mimic.urdf", &ReadOptions::default());
-    let own = |i: usize| model.links()[i].joint.mimic.map(|m| (m.leader, m.multiplier, m.offset));
+    let own =
+        |i: usize| model.moving_links()[i].joint.mimic.map(|m| (m.leader, m.multiplier, m.offset));
     assert_eq!([0, 1, 2, 3].map(own), [Some((3, -2.0, 0.5)), None, Some((0, 3.0, 0.0)), None]);
     assert_eq!(model.nq(), 2);
     let resolved = model.mimic(2).map(|m| (m.leader, m.multiplier, m.offset));
@@ -239,7 +242,7 @@ fn joint_dynamics_are_those_of_the_file_or_of_the_options() {
     let dynamics = |armature, damping, friction| JointDynamics { armature, damping, friction };
     let read = |options: &ReadOptions| {
         let model = good("/joint_dynamics.urdf", options);
-        model.links().iter().map(|link| link.joint.dynamics).collect::<Vec<_>>()
+        model.moving_links().iter().map(|link| link.joint.dynamics).collect::<Vec<_>>()
     };
     let mut expected = [
         dynamics(0.0, 0.5, 0.25),
@@ -275,7 +278,7 @@ fn the_option_base_and_floating_joints() {
         assert_eq!(read_with(&text, Base::Auto).expect("a robot").model.nv(), 7);
         let fixed = read_with(&text, Base::Fixed).expect("a robot");
         assert_eq!((fixed.model.nv(), fixed.warnings.len()), (1, 0));
-        assert_eq!(fixed.model.links()[0].joint.origin.translation, [1.0, 2.0, 3.0]);
+        assert_eq!(fixed.model.moving_links()[0].joint.origin.translation, [1.0, 2.0, 3.0]);
         let found = read_with(&text, Base::Floating).expect_err("refused").into_vec();
         assert_eq!(found.len(), 1, "{found:?}");
         assert!(found[0].to_string().contains("joint `root`: `base = floating` is set"));
@@ -334,7 +337,7 @@ fn extensions_with_a_meaning_are_read() {
     };
     let armature = |rotor: &str| {
         let transmission = format!("<transmission><joint name='wrist'/>{rotor}</transmission>");
-        robot(&transmission).links()[1].joint.dynamics.armature
+        robot(&transmission).moving_links()[1].joint.dynamics.armature
     };
     // With `panda_arm.urdf` of RobotLocomotion/models, whose rotors are of this form, Drake 1.51.1
     // and modyn have equal mass matrices; `sdf/extensions.urdf` compares all numbers.
@@ -362,7 +365,7 @@ fn extensions_with_a_meaning_are_read() {
         <drake:ball_constraint_p_AP value='1 2 3'/><drake:ball_constraint_p_BQ value='4 5 6'/></drake:ball_constraint>";
     let model = robot(constraint);
     let [constraint] = model.loop_constraints() else { panic!("one constraint") };
-    let points = constraint.ends.each_ref().map(|end| (end.frame, end.pose.translation));
+    let points = constraint.ends.each_ref().map(|end| (end.link, end.pose.translation));
     assert_eq!(points, [(0, [1.0, 2.0, 3.0]), (2, [4.0, 5.0, 6.0])]);
     assert_eq!(constraint.kind, LoopConstraintKind::Point);
 }
@@ -457,7 +460,7 @@ fn friction_is_the_models() {
 fn a_base_that_floats_is_a_link_that_moves() {
     let options = ReadOptions { base: Base::Floating, ..ReadOptions::default() };
     let model = good("/floating_base.urdf", &options);
-    let [base, arm] = model.links() else { panic!("two links move") };
+    let [base, arm] = model.moving_links() else { panic!("two links move") };
     assert_eq!((base.name.as_str(), base.parent), ("base", None));
     assert_eq!(base.joint.joint_type, JointType::Floating);
     // The arm's joint already has the name.
@@ -466,14 +469,14 @@ fn a_base_that_floats_is_a_link_that_moves() {
     // The trunk is fixed to the base, 1 m higher.
     assert_eq!((base.inertial.mass, base.inertial.center_of_mass), (1.0, [0.0, 0.0, 1.0]));
     assert_eq!(arm.joint.origin.translation, [0.0, 0.0, 1.0]);
-    let frames: Vec<_> = model.frames().iter().map(|f| (f.name.as_str(), f.link)).collect();
+    let frames: Vec<_> = model.links().iter().map(|f| (f.name.as_str(), f.moving_link)).collect();
     assert_eq!(frames, [("base", Some(0)), ("trunk", Some(0)), ("arm", Some(1))]);
     assert_eq!((model.nq(), model.nv()), (8, 7));
 
     let free = good("/free_body.urdf", &options);
     assert_eq!(free.coordinate_names()[0], "floating_base.x");
     let fixed = good("/floating_base.urdf", &ReadOptions::default());
-    assert_eq!((fixed.nq(), fixed.frames()[1].link), (1, None));
+    assert_eq!((fixed.nq(), fixed.links()[1].moving_link), (1, None));
 }
 
 #[test]
@@ -481,7 +484,7 @@ fn frames_have_the_inertia_of_their_own_link() {
     let options = ReadOptions { base: Base::Floating, ..ReadOptions::default() };
     for options in [ReadOptions::default(), options] {
         let model = good("/floating_base.urdf", &options);
-        let own: Vec<_> = model.frames().iter().map(|frame| frame.inertial).collect();
+        let own: Vec<_> = model.links().iter().map(|link| link.inertial).collect();
         let inertia = [0.1, 0.0, 0.0, 0.1, 0.0, 0.1];
         let body = Inertial { mass: 1.0, center_of_mass: [0.0; 3], inertia };
         assert_eq!(own, [Inertial::default(), body, body]);
@@ -511,7 +514,7 @@ fn a_chain_of_100_000_joints() {
     }
     text += "</robot>";
     let model = reading(&text).model;
-    assert_eq!((model.nq(), model.frames().len()), (66_667, N + 1));
+    assert_eq!((model.nq(), model.links().len()), (66_667, N + 1));
 
     // A cycle of the same length.
     let closed = text.replace("<child link='l100000'/>", "<child link='l0'/>");
@@ -542,8 +545,8 @@ fn a_chain_of_100_000_mimics() {
     text += "</robot>";
     let end = format!("<mimic joint='j{N}' multiplier='-1' offset='1'/>");
     let model = reading(&text.replace(&end, "")).model;
-    assert_eq!((model.links().len(), model.nq()), (N, 1));
-    let first = model.links().iter().position(|link| link.joint.name == "j0").expect("j0");
+    assert_eq!((model.moving_links().len(), model.nq()), (N, 1));
+    let first = model.moving_links().iter().position(|link| link.joint.name == "j0").expect("j0");
     let mimic = model.mimic(first).expect("follows");
     assert_eq!((mimic.multiplier, mimic.offset), (-1.0, 1.0));
 
@@ -566,7 +569,7 @@ fn a_chain_of_20_000_joints_of_all_types() {
     }
     text += "</robot>";
     let model = reading(&text).model;
-    assert_eq!((model.links().len(), model.nv()), (N, N / 5 * 15));
+    assert_eq!((model.moving_links().len(), model.nv()), (N, N / 5 * 15));
 }
 
 /// urdf-rs reads the same numbers from the same text: an independent implementation.
@@ -591,17 +594,17 @@ fn numbers_equal_those_of_urdf_rs() {
             continue;
         }
         assert_eq!(
-            reading.model.frames().iter().map(|f| &f.name).collect::<Vec<_>>(),
+            reading.model.links().iter().map(|f| &f.name).collect::<Vec<_>>(),
             robot.links.iter().map(|l| &l.name).collect::<Vec<_>>(),
             "{file}"
         );
-        for link in reading.model.links() {
+        for link in reading.model.moving_links() {
             let joint = robot.joints.iter().find(|j| j.name == link.joint.name).expect("joint");
             let found = link.joint.dynamics;
             let written = joint.dynamics.as_ref().map_or([0.0; 2], |d| [d.damping, d.friction]);
             assert_eq!([found.damping, found.friction], written, "{file}");
             let mimic = link.joint.mimic.map(|mimic| {
-                let leader = reading.model.links()[mimic.leader].joint.name.clone();
+                let leader = reading.model.moving_links()[mimic.leader].joint.name.clone();
                 (leader, mimic.multiplier, mimic.offset)
             });
             let witness = joint.mimic.as_ref().filter(|_| follows).map(|mimic| {

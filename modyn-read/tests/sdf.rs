@@ -38,13 +38,13 @@ fn assert_drakes_numbers(name: &str) {
     let (mut q_of, mut v_of) = (Vec::new(), Vec::new());
     for line in golden.lines().filter_map(|line| line.strip_prefix("joint ")) {
         let joint = line.split(' ').next().unwrap_or_default();
-        let link = robot.links().iter().position(|link| link.joint.name == joint);
+        let link = robot.moving_links().iter().position(|link| link.joint.name == joint);
         let link = link.unwrap_or_else(|| panic!("{name}: no joint {joint}"));
         q_of.extend(robot.q_range(link));
         v_of.extend(robot.v_range(link));
     }
     assert_eq!((q_of.len(), v_of.len()), (nq, nv), "{name}");
-    let frames: Vec<String> = robot.frames().iter().map(|frame| frame.name.clone()).collect();
+    let frames: Vec<String> = robot.links().iter().map(|link| link.name.clone()).collect();
     let mut interpreter = Interpreter::<f64>::new(robot);
     let numbers = |line: &str| -> Vec<f64> {
         line.split(' ').map(|word| word.parse().expect("a number")).collect()
@@ -99,7 +99,7 @@ fn prefixes_need_no_declaration() {
         read(&text.replace(declaration, declared), &ReadOptions::default()).expect("a model")
     };
     let declared = read(declaration);
-    let armatures = declared.links().iter().map(|link| link.joint.dynamics.armature);
+    let armatures = declared.moving_links().iter().map(|link| link.joint.dynamics.armature);
     assert!(armatures.into_iter().any(|armature| (armature - 0.288).abs() < 1e-15));
     assert_eq!(read(" xmlns:drake=\"my.company/drk\""), declared);
     assert_eq!(read(""), declared);
@@ -163,7 +163,7 @@ fn drakes_ball_constraint_is_read() {
         let ends = constraint
             .ends
             .each_ref()
-            .map(|end| (model.frames()[end.frame].name.as_str(), end.pose.translation));
+            .map(|end| (model.links()[end.link].name.as_str(), end.pose.translation));
         assert_eq!(ends, [("b", [1.0, 2.0, 3.0]), (frame, [4.0, 5.0, 6.0])]);
         assert_eq!(constraint.kind, LoopConstraintKind::Point);
         assert_eq!(constraint.name, "ball_constraint_2");
@@ -259,8 +259,9 @@ fn joints_of_the_world_connect_models() {
         let text = format!("<sdf version='1.12'><world name='w'>{models}</world></sdf>");
         let robot = read(&text, &ReadOptions::default()).unwrap_or_else(|found| panic!("{found}"));
         let moving: Vec<_> =
-            (0..robot.links().len()).filter(|&i| robot.v_range(i).len() == 1).collect();
-        let names = moving.iter().map(|&i| robot.links()[i].joint.name.clone()).collect::<Vec<_>>();
+            (0..robot.moving_links().len()).filter(|&i| robot.v_range(i).len() == 1).collect();
+        let names =
+            moving.iter().map(|&i| robot.moving_links()[i].joint.name.clone()).collect::<Vec<_>>();
         assert_eq!(names, ["k", "j"]);
         let mut numbers = [0.0; 6];
         let (bias, matrix) = numbers.split_at_mut(2);
@@ -304,7 +305,7 @@ fn a_cone_is_the_sum_of_its_slices() {
         xx += slice * (r * r / 4.0 + z * z);
         zz += slice * r * r / 2.0;
     }
-    let own = robot.links()[0].inertial;
+    let own = robot.moving_links()[0].inertial;
     let expected = [mass, first / mass, xx - first * first / mass, zz];
     for (a, b) in
         [own.mass, own.center_of_mass[2], own.inertia[0], own.inertia[5]].iter().zip(expected)
@@ -364,11 +365,11 @@ fn springs_and_weightless_links() {
     };
     let robot = model(&elements(dynamics)).expect("an SDF");
     let springs = robot.springs().iter().map(|spring| {
-        (&*robot.links()[spring.link].joint.name, spring.stiffness, &*spring.reference)
+        (&*robot.moving_links()[spring.link].joint.name, spring.stiffness, &*spring.reference)
     });
     let expected: [(_, _, &[f64]); 2] = [("ja", 4.0, &[0.3]), ("jc", 4.0, &[0.3, 0.3])];
     assert_eq!(springs.collect::<Vec<_>>(), expected);
-    let factors = robot.frames().iter().zip(robot.gravity_compensation());
+    let factors = robot.links().iter().zip(robot.gravity_compensation());
     let weightless = factors.filter(|(_, factor)| **factor == 1.0);
     assert_eq!(weightless.map(|(frame, _)| &*frame.name).collect::<Vec<_>>(), ["b"]);
     // A joint has one stiffness.
@@ -383,12 +384,12 @@ fn the_base_and_gravity() {
     let with = |base| read(&text, &ReadOptions { base, ..ReadOptions::default() });
     for base in [Base::Auto, Base::Floating] {
         let robot = with(base).expect("floats");
-        assert_eq!(robot.links()[0].joint.joint_type, JointType::Floating);
-        assert_eq!(robot.links()[0].joint.name, "floating_base");
+        assert_eq!(robot.moving_links()[0].joint.joint_type, JointType::Floating);
+        assert_eq!(robot.moving_links()[0].joint.name, "floating_base");
     }
     let robot = with(Base::Fixed).expect("fixed");
     assert_eq!(robot.nq(), 1);
-    let limits = robot.links()[0].joint.limits.expect("limits");
+    let limits = robot.moving_links()[0].joint.limits.expect("limits");
     assert_eq!((limits.lower, limits.upper), (None, Some(2.0)));
     assert_eq!((limits.velocity, limits.effort), (Some(3.0), None));
     let weightless = text
@@ -456,8 +457,8 @@ fn small_offsets_of_joints_are_kept() {
         .unwrap_or_else(|found| panic!("{found}"))
     };
     let arm = |model: &Model| {
-        let frame = model.frames().iter().find(|frame| frame.name == "arm").expect("a frame");
-        frame.pose.translation[0]
+        let link = model.links().iter().find(|link| link.name == "arm").expect("a link");
+        link.pose.translation[0]
     };
     let offset = arm(&robot(1e-3, ">5e-13"));
     assert!((offset + 5e-13).abs() < 1e-17, "{offset}");

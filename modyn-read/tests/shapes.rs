@@ -45,7 +45,7 @@ fn shapes(text: &str, file: &str) -> Shapes {
     assert_eq!(without.shapes, Shapes::default());
     let with = read(text, file, &ReadOptions { shapes: true, ..options }).expect("read");
     assert_eq!((&with.model, &with.warnings), (&without.model, &without.warnings));
-    assert_eq!(with.shapes.of_frames.len(), with.model.frames().len());
+    assert_eq!(with.shapes.of_frames.len(), with.model.links().len());
     std::fs::remove_dir_all(folder).expect("removed");
     with.shapes
 }

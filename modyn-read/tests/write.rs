@@ -77,10 +77,10 @@ fn round(name: &str, model: &Model, format: Format, random: &mut Random) -> bool
         assert_close(&format!("{file}: home"), &qd, &kept.qd);
     }
     let mut robots = [model, &again].map(|model| Interpreter::<f64>::new(model.clone()));
-    for own in 0..model.links().len() {
+    for own in 0..model.moving_links().len() {
         let q = model.q_range(own);
-        let mut others = (0..again.links().len()).filter(|&i| again.q_range(i) == q);
-        let joint = &model.links()[own].joint;
+        let mut others = (0..again.moving_links().len()).filter(|&i| again.q_range(i) == q);
+        let joint = &model.moving_links()[own].joint;
         if joint.mimic.is_some()
             || q.len() > 1
             || (format == Format::Mjcf && joint.limits.is_none())
@@ -88,8 +88,8 @@ fn round(name: &str, model: &Model, format: Format, random: &mut Random) -> bool
             continue;
         }
         let other = others.find(|&i| again.mimic(i).is_none()).expect("a joint");
-        assert_eq!(joint.name, again.links()[other].joint.name, "{file}");
-        let efforts = [joint, &again.links()[other].joint]
+        assert_eq!(joint.name, again.moving_links()[other].joint.name, "{file}");
+        let efforts = [joint, &again.moving_links()[other].joint]
             .map(|joint| joint.limits.map_or([None; 2], |limits| [limits.effort, limits.velocity]));
         let is_left_out = format == Format::Mjcf && efforts[0][0] == Some(0.0);
         assert!(is_left_out || efforts[0][0] == efforts[1][0], "{file}: {}", joint.name);
@@ -132,12 +132,12 @@ fn round(name: &str, model: &Model, format: Format, random: &mut Random) -> bool
             assert_close(&format!("{file}: {}", function.name()), &expected, &found);
         }
         let mut count = 0;
-        for (i, frame) in model.frames().iter().enumerate() {
+        for (i, frame) in model.links().iter().enumerate() {
             // MuJoCo reserves the name of the world.
             let is_renamed =
-                format == Format::Mjcf && frame.name == "world" && frame.link.is_some();
+                format == Format::Mjcf && frame.name == "world" && frame.moving_link.is_some();
             let name = if is_renamed { "world_frame" } else { &frame.name };
-            let Some(j) = again.frame_index(name) else { continue };
+            let Some(j) = again.link_index(name) else { continue };
             let of = |robot: &Interpreter<f64>, link| {
                 let Pose { rotation, translation } = robot.link_pose(&q, link).expect("a pose");
                 [rotation.as_flattened(), &translation].concat()
@@ -150,7 +150,7 @@ fn round(name: &str, model: &Model, format: Format, random: &mut Random) -> bool
             count += 1;
         }
         let is_whole = format == Format::Urdf || !written.text.contains("Without inertia");
-        assert!(count == model.frames().len() || !is_whole, "{file}: {count} frames");
+        assert!(count == model.links().len() || !is_whole, "{file}: {count} frames");
     }
     true
 }
@@ -198,7 +198,7 @@ const SHAPES: &str = r#"<mujoco model="r"><option cone="elliptic" impratio="3"/>
 /// The numbers of the shapes that touch the ground, by their names, with the names of their links.
 fn touching(model: &Model) -> BTreeMap<(String, String), Vec<f64>> {
     let numbers = |shape: TouchingShape| {
-        let link = model.frames()[shape.end.frame].name.clone();
+        let link = model.links()[shape.end.link].name.clone();
         let mut numbers = shape.end.pose.rotation.as_flattened().to_vec();
         numbers.extend(shape.end.pose.translation);
         let mut sizes = shape.shape.numbers();
@@ -316,10 +316,10 @@ fn general_pose(random: &mut Random) -> Pose<f64> {
 
 /// Returns the robot with a contact, and a loop between two links, if it has two.
 fn constrained(model: Model, random: &mut Random) -> Model {
-    let last = model.links().len() - 1;
-    let frame = |link: usize| model.frame_index(&model.links()[link].name).expect("a frame");
+    let last = model.moving_links().len() - 1;
+    let frame = |link: usize| model.link_index(&model.moving_links()[link].name).expect("a frame");
     let mut end =
-        |link: usize| LoopConstraintEnd { frame: frame(link), pose: general_pose(&mut *random) };
+        |link: usize| LoopConstraintEnd { link: frame(link), pose: general_pose(&mut *random) };
     let ends = [end(0), end(last)];
     let contact = ModelContact { name: "sole".into(), kind: ContactKind::Surface, end: end(last) };
     let axis = [0.6, 0.0, 0.8];
@@ -346,7 +346,7 @@ fn names_limits_and_notes() {
     let gravity = Some([0.0, 0.0, -1.62]);
     let model = read(text, "r.urdf", &ReadOptions { gravity, ..ReadOptions::default() });
     let model = model.expect("a robot").model;
-    let limits = model.links()[0].joint.limits.expect("limits");
+    let limits = model.moving_links()[0].joint.limits.expect("limits");
     assert_eq!((limits.lower, limits.upper, limits.effort), (Some(-1.0), None, None));
     let written = write(&model, Format::Urdf).expect("a URDF");
     assert_eq!(written.notes.len(), 1, "{:?}", written.notes);

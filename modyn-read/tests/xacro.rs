@@ -114,14 +114,14 @@ fn a_file_with_includes_is_read_with_arguments() {
     let root = arm("read");
     let path = root.join("arm_description/urdf/arm.urdf.xacro");
     let reading = read_file(&path, &ReadOptions::default()).expect("valid");
-    let mass = |i: usize| reading.model.links()[i].inertial.mass;
+    let mass = |i: usize| reading.model.moving_links()[i].inertial.mass;
     assert_eq!((mass(0), mass(1)), (2.0, 0.5));
     assert_eq!(reading.files.len(), 1, "{:?}", reading.files);
     assert!(reading.files[0].ends_with("parts/rod.xacro"));
     let options =
         ReadOptions { xacro_args: vec![XacroArg::new("mass", "7.25")], ..Default::default() };
     let heavy = read_file(&path, &options).expect("valid");
-    assert_eq!(heavy.model.links()[0].inertial.mass, 7.25);
+    assert_eq!(heavy.model.moving_links()[0].inertial.mass, 7.25);
     let _ = std::fs::remove_dir_all(root);
 }
 
@@ -356,7 +356,7 @@ fn packages_are_those_of_the_option_first() {
     for (packages, z) in [(vec![], 0.4), (vec![given], 5.0)] {
         let options = ReadOptions { folder: folder.clone(), packages, ..ReadOptions::default() };
         let model = read(ROBOT, "arm.xacro", &options).expect("valid").model;
-        assert_eq!(model.links()[1].joint.origin.translation, [0.0, 0.0, z]);
+        assert_eq!(model.moving_links()[1].joint.origin.translation, [0.0, 0.0, z]);
     }
     let _ = std::fs::remove_dir_all(root);
 }

@@ -70,9 +70,10 @@ pub use equations::Forces;
 #[cfg(feature = "alloc")]
 pub use interpreter::{
     ActuatorOutputs, ConstrainedDerivatives, ConstrainedHessianOutputs, ConstrainedKnotOutputs,
-    DecompositionError, ForwardDerivatives, FrameError, HessianOutputs, InertialError, Interpreter,
-    KnotOutputs, ModuleMismatch, ShapeError, StateChange, StateDerivatives, StateGradients,
-    StepHessianOutputs, StepOutputs, StepSolutionOutputs, UduFactorization, UpdateError,
+    DecompositionError, ForwardDerivatives, HessianOutputs, InertialError, Interpreter,
+    KnotOutputs, LinkError, ModuleMismatch, ShapeError, StateChange, StateDerivatives,
+    StateGradients, StepHessianOutputs, StepOutputs, StepSolutionOutputs, UduFactorization,
+    UpdateError,
 };
 
 #[cfg(feature = "nalgebra")]

@@ -39,7 +39,7 @@ use crate::scalar::Scalar;
 ///         robot: &mut Interpreter<S>,
 ///         [q, target]: [&[S]; 2],
 ///     ) -> Result<Vec<S>, UserError> {
-///         let link = robot.model().frame_index(self.link).ok_or("no such link")?;
+///         let link = robot.model().link_index(self.link).ok_or("no such link")?;
 ///         let pose = robot.link_pose(q, link)?;
 ///         let squares = pose.translation.iter().zip(target).map(|(&x, &t)| (x - t) * (x - t));
 ///         Ok(vec![squares.fold(S::zero(), |sum, square| sum + square)])

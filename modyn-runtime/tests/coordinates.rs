@@ -2,7 +2,7 @@
 #![cfg(feature = "alloc")]
 
 use modyn_runtime::joint::JointType;
-use modyn_runtime::model::{DEFAULT_GRAVITY, Joint, Limits, Link, Model};
+use modyn_runtime::model::{DEFAULT_GRAVITY, Joint, Limits, Model, MovingLink};
 use modyn_runtime::{Inertial, Interpreter, Pose};
 
 /// Returns a chain: a revolute joint with limits, a spherical joint, a prismatic joint with limits, a floating joint.
@@ -21,7 +21,7 @@ fn model() -> Model {
         });
         let inertial =
             Inertial { mass: 1.0, inertia: [1.0, 0.0, 0.0, 1.0, 0.0, 1.0], ..Inertial::default() };
-        Link { name: format!("link{i}"), parent: i.checked_sub(1), joint, inertial }
+        MovingLink { name: format!("link{i}"), parent: i.checked_sub(1), joint, inertial }
     });
     Model::new("chain", DEFAULT_GRAVITY, links.collect(), Vec::new()).expect("good")
 }

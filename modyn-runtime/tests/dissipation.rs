@@ -2,7 +2,9 @@
 #![cfg(feature = "alloc")]
 
 use modyn_runtime::joint::JointType;
-use modyn_runtime::model::{DEFAULT_GRAVITY, Joint, JointDynamics, JointFriction, Link, Model};
+use modyn_runtime::model::{
+    DEFAULT_GRAVITY, Joint, JointDynamics, JointFriction, Model, MovingLink,
+};
 use modyn_runtime::{ForwardDerivatives, Inertial, Interpreter, Pose};
 
 const N: usize = 4;
@@ -27,7 +29,7 @@ fn model() -> Model {
             center_of_mass: [0.1, 0.2 - 0.1 * k, -0.3],
             inertia: [0.3, 0.02, -0.01, 0.4, 0.03, 0.5],
         };
-        Link { name: format!("link{i}"), parent: parents[i], joint, inertial }
+        MovingLink { name: format!("link{i}"), parent: parents[i], joint, inertial }
     });
     let model = Model::new("tree", DEFAULT_GRAVITY, links.collect(), Vec::new()).expect("good");
     model.with_joint_friction(JointFriction::Smooth(0.3)).expect("a transition velocity")

@@ -3,7 +3,7 @@
 
 use modyn_runtime::joint::JointType;
 use modyn_runtime::mechanism::{inertia_without, rigid_inertia};
-use modyn_runtime::model::{Frame, Joint, JointDynamics, Link, Mimic, Model};
+use modyn_runtime::model::{Joint, JointDynamics, Link, Mimic, Model, MovingLink};
 use modyn_runtime::spatial::RigidInertia;
 use modyn_runtime::{Inertial, InertialError, Interpreter, Pose, Scalar};
 
@@ -58,11 +58,12 @@ fn chain(seed: u64, joints: &[JointType]) -> Model {
         let mut joint = Joint::new(format!("joint{i}"), *joint_type, random.axis(), random.pose());
         joint.second_axis = random.axis();
         let (own, tool, pose) = (random.inertial(), random.inertial(), random.pose());
-        let frame = |name: String, pose, inertial| Frame { name, link: Some(i), pose, inertial };
+        let frame =
+            |name: String, pose, inertial| Link { name, moving_link: Some(i), pose, inertial };
         frames.push(frame(format!("link{i}"), Pose::identity(), own));
         frames.push(frame(format!("tool{i}"), pose, tool));
         let inertial = own.merged(&tool.transformed(&pose));
-        Link { name: format!("link{i}"), parent: i.checked_sub(1), joint, inertial }
+        MovingLink { name: format!("link{i}"), parent: i.checked_sub(1), joint, inertial }
     });
     let links = links.collect();
     Model::new("chain", [0.3, -0.4, -9.6], links, frames).expect("sound parts")
@@ -99,11 +100,11 @@ fn numbers<S: Scalar>(interpreter: &mut Interpreter<S>) -> Vec<S> {
 
 /// Returns the model with other own inertias of these links.
 fn described(model: &Model, changes: &[(usize, Inertial)]) -> Model {
-    let mut frames = model.frames().to_vec();
+    let mut frames = model.links().to_vec();
     changes.iter().for_each(|(frame, inertial)| frames[*frame].inertial = *inertial);
-    let mut links = model.links().to_vec();
+    let mut links = model.moving_links().to_vec();
     for (i, link) in links.iter_mut().enumerate() {
-        let parts = frames.iter().filter(|frame| frame.link == Some(i));
+        let parts = frames.iter().filter(|frame| frame.moving_link == Some(i));
         link.inertial = parts.fold(Inertial::default(), |sum, frame| {
             sum.merged(&frame.inertial.transformed(&frame.pose))
         });
@@ -119,13 +120,13 @@ fn a_hundred_thousand_updates_leave_no_trace() {
     let mut random = Random(2);
     let mut last = Vec::new();
     for step in 0..100_000 {
-        let frame = step % model.frames().len();
+        let frame = step % model.links().len();
         let mut inertial = random.inertial();
         // The masses go from light to heavy, as in an estimate that has not converged.
         inertial.mass *= 1e3;
         inertial.inertia = inertial.inertia.map(|x| x * 1e3);
         adapted.set_inertial(frame, &inertial.map(|x| x as f32)).expect("a body's");
-        if step >= 100_000 - model.frames().len() {
+        if step >= 100_000 - model.links().len() {
             last.push((frame, inertial));
         }
     }
@@ -137,7 +138,7 @@ fn a_hundred_thousand_updates_leave_no_trace() {
     let bits = |x: Vec<f32>| x.into_iter().map(f32::to_bits).collect::<Vec<_>>();
     assert_eq!(bits(numbers(&mut adapted)), bits(numbers(&mut direct)));
     // and the inertias of the description restore the described robot.
-    for (frame, described) in model.frames().iter().enumerate() {
+    for (frame, described) in model.links().iter().enumerate() {
         adapted.set_inertial(frame, &described.inertial.map(|x| x as f32)).expect("a body's");
     }
     assert_eq!(bits(numbers(&mut adapted)), bits(numbers(&mut fresh)));
@@ -151,7 +152,7 @@ fn changes_are_another_description() {
         let mut changed = Interpreter::<f64>::new(model.clone());
         let mut changes: Vec<(usize, Inertial)> = Vec::new();
         for _ in 0..6 {
-            let frame = (random.next() * model.frames().len() as f64) as usize;
+            let frame = (random.next() * model.links().len() as f64) as usize;
             let (own, load) = (random.inertial(), random.inertial());
             changed.set_inertial(frame, &own).expect("a body's");
             changed.set_payload(frame, &load).expect("a body's");
@@ -170,7 +171,7 @@ fn changes_are_another_description() {
 #[test]
 fn compensated_weights_follow_inertias_and_gravity() {
     let compensated = |model: Model| {
-        let factors = (0..model.frames().len()).map(|i| 0.3 * i as f64 - 0.6).collect();
+        let factors = (0..model.links().len()).map(|i| 0.3 * i as f64 - 0.6).collect();
         model.with_gravity_compensation(factors).expect("a factor for each frame")
     };
     for seed in 0..5 {
@@ -180,7 +181,7 @@ fn compensated_weights_follow_inertias_and_gravity() {
         assert_ne!(numbers(&mut changed), numbers(&mut Interpreter::new(model.clone())));
         let mut changes: Vec<(usize, Inertial)> = Vec::new();
         for _ in 0..6 {
-            let frame = (random.next() * model.frames().len() as f64) as usize;
+            let frame = (random.next() * model.links().len() as f64) as usize;
             let (own, gravity) = (random.inertial(), random.vector().map(|x| 20.0 * x));
             changed.set_inertial(frame, &own).expect("a body's");
             changed.set_gravity(gravity);
@@ -235,7 +236,7 @@ fn no_joint_is_left_without_inertia() {
         let (link, tool) = (2, 3);
         interpreter.set_inertial(link, &none).expect("the tool is left");
         let before = numbers(&mut interpreter);
-        let tool_alone = alone.transformed(&inverse(&model.frames()[tool].pose));
+        let tool_alone = alone.transformed(&inverse(&model.links()[tool].pose));
         assert_eq!(refused(interpreter.set_inertial(tool, &tool_alone)), "joint1", "{alone:?}");
         assert_eq!(numbers(&mut interpreter), before, "nothing has changed");
         // A payload may give the joint its inertia; then the payload cannot be removed.
@@ -266,7 +267,7 @@ fn a_joint_does_not_move_a_point_mass_on_its_axis() {
         single.set_inertial(3, &Inertial::default()).expect("the link is left");
         let at = |factor: f64, beside: f64| Inertial {
             mass: 2.0,
-            center_of_mass: model.links()[1].joint.axis.map(|x| x * factor + beside),
+            center_of_mass: model.moving_links()[1].joint.axis.map(|x| x * factor + beside),
             ..none
         };
         // On the axis the moment of inertia consists of rounding errors.
@@ -304,13 +305,13 @@ fn nothing_is_left_of_a_link_without_its_frames() {
                     across.iter().for_each(|&i| inertial.inertia[i] = mass * size * size);
                     let mut pose = if name == "link" { Pose::identity() } else { random.pose() };
                     pose.translation = pose.translation.map(|x| 1e-3 * size * x);
-                    Frame { name: name.into(), link: Some(0), pose, inertial }
+                    Link { name: name.into(), moving_link: Some(0), pose, inertial }
                 });
                 let placed = frames.each_ref().map(|f| f.inertial.transformed(&f.pose));
                 let inertial = placed[0].merged(&placed[1]).merged(&placed[2]);
                 let joint =
                     Joint::new("joint", JointType::Revolute, [0.0, 0.0, 1.0], random.pose());
-                let link = Link { name: "link".into(), parent: None, joint, inertial };
+                let link = MovingLink { name: "link".into(), parent: None, joint, inertial };
                 let model = Model::new("rods", [0.0; 3], vec![link], frames.into()).expect("sound");
                 let left = inertia_without(&model, 0, |_| true);
                 assert_eq!(left, RigidInertia::zero(), "seed {seed}, size {size}, rod {across:?}");
@@ -335,8 +336,8 @@ fn nothing_is_left_of_a_link_without_its_frames() {
 #[test]
 fn inertia_is_needed_where_a_joint_moves_it() {
     // A link between joints about different lines needs no inertia; a link between joints about the same line does.
-    let mut links = chain(7, &[JointType::Revolute; 3]).links().to_vec();
-    let frames = chain(7, &[JointType::Revolute; 3]).frames().to_vec();
+    let mut links = chain(7, &[JointType::Revolute; 3]).moving_links().to_vec();
+    let frames = chain(7, &[JointType::Revolute; 3]).links().to_vec();
     let none = Inertial::default();
     let model = Model::new("oblique", [0.0; 3], links.clone(), frames.clone()).expect("sound");
     let mut interpreter = Interpreter::<f64>::new(model);
@@ -381,11 +382,11 @@ fn a_robot_without_inertia_keeps_its_defects() {
 fn a_mimic_joint_carries_inertia_for_its_leader() {
     let described = chain(7, &[JointType::Revolute, JointType::Revolute]);
     for mimics in [true, false] {
-        let mut links = described.links().to_vec();
+        let mut links = described.moving_links().to_vec();
         links[1].parent = None;
         let mimic = Mimic { leader: 0, multiplier: -0.7, offset: 0.2 };
         links[1].joint.mimic = mimics.then_some(mimic);
-        let model = Model::new("pair", [0.0, 0.0, -9.8], links, described.frames().to_vec());
+        let model = Model::new("pair", [0.0, 0.0, -9.8], links, described.links().to_vec());
         let mut interpreter = Interpreter::<f64>::new(model.expect("sound parts"));
         let none = Inertial::default();
         interpreter.set_inertial(0, &none).expect("the tool is left");

@@ -9,8 +9,8 @@ use modyn_runtime::equations::identification::BaseParameters;
 use modyn_runtime::equations::{ForwardInput, Motion, State};
 use modyn_runtime::joint::JointType;
 use modyn_runtime::model::{
-    Frame, Joint, JointDynamics, JointFriction, Limits, Link, LoopConstraint, LoopConstraintEnd,
-    LoopConstraintKind, Mimic, Model, ModuleTree,
+    Joint, JointDynamics, JointFriction, Limits, Link, LoopConstraint, LoopConstraintEnd,
+    LoopConstraintKind, Mimic, Model, ModuleTree, MovingLink,
 };
 use modyn_runtime::spatial::{Momentum, Twist, Vector3, Wrench};
 use modyn_runtime::{
@@ -112,8 +112,8 @@ impl Dice {
     /// Returns a model from parts that may be invalid.
     fn model(&mut self) -> Option<Model> {
         let count = self.below(7);
-        let links: Vec<Link> = (0..count)
-            .map(|i| Link {
+        let links: Vec<MovingLink> = (0..count)
+            .map(|i| MovingLink {
                 name: format!("link{}", if self.below(40) == 0 { 0 } else { i }),
                 parent: match self.below(12) {
                     0 => Some(self.index(count)),
@@ -124,13 +124,13 @@ impl Dice {
                 inertial: self.inertial(),
             })
             .collect();
-        let frames = (0..self.below(9)).map(|i| Frame {
+        let frames = (0..self.below(9)).map(|i| Link {
             name: format!("frame{i}"),
-            link: (self.below(4) > 0).then(|| self.index(count)),
+            moving_link: (self.below(4) > 0).then(|| self.index(count)),
             pose: self.pose(),
             inertial: self.inertial(),
         });
-        let frames: Vec<Frame> = frames.collect();
+        let frames: Vec<Link> = frames.collect();
         let ends = frames.len();
         let mut model = Model::new("model", [0.0, 0.0, -9.81], links, frames).ok()?;
         let gravity = self.numbers();
@@ -147,7 +147,7 @@ impl Dice {
             model = other;
         }
         let closures = (0..self.below(3)).map(|i| {
-            let mut end = || LoopConstraintEnd { frame: self.index(ends), pose: self.pose() };
+            let mut end = || LoopConstraintEnd { link: self.index(ends), pose: self.pose() };
             let ends = [end(), end()];
             let axis = self.axis();
             let kinds = [
@@ -166,7 +166,7 @@ impl Dice {
 /// Calls every method with slices of right and wrong sizes; the results are ignored.
 fn call(interpreter: &mut Interpreter<f64>, dice: &mut Dice) {
     let model = interpreter.model().clone();
-    let (nq, nv, frames) = (model.nq(), model.nv(), model.frames().len());
+    let (nq, nv, frames) = (model.nq(), model.nv(), model.links().len());
     // One slice in four has a wrong size.
     let sizes: Vec<usize> = (0..64).map(|_| [0, 0, 0, 0, 0, 0, 1, 7][dice.below(8)]).collect();
     let mut next = sizes.into_iter().cycle();
@@ -183,7 +183,7 @@ fn call(interpreter: &mut Interpreter<f64>, dice: &mut Dice) {
         let mut b = vector(nv);
         let [mut c, mut d, mut e] = [(); 3].map(|()| vector(nv * nv));
         let mut moved = vector(nq);
-        let mut regressor = vector(nv * 10 * model.links().len());
+        let mut regressor = vector(nv * 10 * model.moving_links().len());
         let wrench = |x: f64| Wrench { moment: Vector3([x; 3]), force: Vector3([1.0, x, -x]) };
         let wrenches: Vec<Wrench<f64>> = vector(frames).into_iter().map(wrench).collect();
         let mut poses = vec![Pose::identity(); vector(frames).len()];
@@ -293,10 +293,13 @@ fn no_argument_makes_it_panic() {
         let mut dice = Dice(seed);
         let Some(model) = dice.model() else { continue };
         sound += 1;
-        for link in [0, 1, model.links().len(), usize::MAX] {
+        for link in [0, 1, model.moving_links().len(), usize::MAX] {
             assert!(model.q_range(link).len() >= model.v_range(link).len());
-            assert_eq!(model.inertial_parameters(link).is_some(), link < model.links().len());
-            assert!(link < model.links().len() || model.mimic(link).is_none());
+            assert_eq!(
+                model.inertial_parameters(link).is_some(),
+                link < model.moving_links().len()
+            );
+            assert!(link < model.moving_links().len() || model.mimic(link).is_none());
         }
         let list: Vec<Vec<String>> = (0..dice.below(4))
             .map(|_| (0..dice.below(4)).map(|_| format!("link{}", dice.below(8))).collect())

@@ -142,7 +142,7 @@ impl Session {
             None => Ok(model),
             Some(&joint) => Err(format!(
                 "the robot has no dynamics: joint `{}` moves no inertia",
-                sanitize_for_display(&model.links()[joint].joint.name)
+                sanitize_for_display(&model.moving_links()[joint].joint.name)
             )),
         }
     }
@@ -214,10 +214,10 @@ impl Session {
         answer["robot"] = json!({
             "name": model.name(),
             "format": Format::of(&text, name).name(),
-            "links": model.links().len(),
+            "links": model.moving_links().len(),
             "nq": model.nq(),
             "nv": model.nv(),
-            "mass": model.links().iter().map(|link| link.inertial.mass).sum::<f64>(),
+            "mass": model.moving_links().iter().map(|link| link.inertial.mass).sum::<f64>(),
             "contacts": model.contacts().len(),
             "loops": model.loop_constraints().len(),
             "chosen_contacts": contacts,
@@ -310,17 +310,18 @@ fn report(
 /// Returns contacts of a floating robot that has none, as the option has them: the frame of each
 /// last link that is farthest from the link's origin, such as a foot. Empty for another robot.
 fn tips(model: &Model) -> String {
-    let floats = model.links().iter().any(|link| link.joint.joint_type == JointType::Floating);
+    let floats =
+        model.moving_links().iter().any(|link| link.joint.joint_type == JointType::Floating);
     if !floats || !model.contacts().is_empty() {
         return String::new();
     }
     let children = model.children();
-    let leaves = (0..model.links().len()).filter(|&link| children[link].is_empty());
+    let leaves = (0..model.moving_links().len()).filter(|&link| children[link].is_empty());
     let tip = |link: usize| {
-        let distance = |frame: &&modyn_runtime::model::Frame| {
+        let distance = |frame: &&modyn_runtime::model::Link| {
             frame.pose.translation.iter().map(|x| x * x).sum::<f64>()
         };
-        let tips_of_link = model.frames().iter().filter(|frame| frame.link == Some(link));
+        let tips_of_link = model.links().iter().filter(|frame| frame.moving_link == Some(link));
         tips_of_link.max_by(|a, b| distance(a).total_cmp(&distance(b)))
     };
     let tips = leaves.filter_map(tip).map(|frame| format!("{0:?}: point({0:?})", frame.name));

@@ -75,7 +75,7 @@ pub fn interpreted<T: Scalar>(
     arguments: &[Vec<T>],
 ) -> Vec<T> {
     let row = function.row();
-    let links = if row.by_link { robot.model().frames().len() } else { 1 };
+    let links = if row.by_link { robot.model().links().len() } else { 1 };
     let arguments: Vec<&[T]> = arguments.iter().map(Vec::as_slice).collect();
     let length = (row.result)(&robot.sizes()).len();
     let of_link = |link| {

@@ -1,16 +1,16 @@
 //! Models with changed inertias and lengths.
 
 use modyn_runtime::joint::JointType;
-use modyn_runtime::model::{Frame, Inertial, Limits, Link, Model};
+use modyn_runtime::model::{Inertial, Limits, Link, Model, MovingLink};
 use modyn_runtime::spatial::Pose;
 
 /// Returns the model with another inertia of frame `at`; the inertia of a moving link is the sum over its frames.
 #[must_use]
 pub fn changed(model: &Model, at: usize, inertial: Inertial) -> Model {
-    let (mut links, mut frames) = (model.links().to_vec(), model.frames().to_vec());
+    let (mut links, mut frames) = (model.moving_links().to_vec(), model.links().to_vec());
     frames[at].inertial = inertial;
-    if let Some(link) = frames[at].link {
-        let parts = frames.iter().filter(|frame| frame.link == Some(link));
+    if let Some(link) = frames[at].moving_link {
+        let parts = frames.iter().filter(|frame| frame.moving_link == Some(link));
         links[link].inertial = parts.fold(Inertial::default(), |sum, frame| {
             sum.merged(&frame.inertial.transformed(&frame.pose))
         });
@@ -35,8 +35,8 @@ pub fn scaled(model: &Model, scale: f64) -> Model {
         inertia: inertial.inertia.map(|x| scale * scale * x),
         ..*inertial
     };
-    let link = |link: &Link| {
-        let mut link = Link { inertial: inertial(&link.inertial), ..link.clone() };
+    let link = |link: &MovingLink| {
+        let mut link = MovingLink { inertial: inertial(&link.inertial), ..link.clone() };
         link.joint.origin = pose(&link.joint.origin);
         let slides = link.joint.joint_type == JointType::Prismatic;
         link.joint.limits = link.joint.limits.filter(|_| slides).map(|limits| Limits {
@@ -46,13 +46,13 @@ pub fn scaled(model: &Model, scale: f64) -> Model {
         });
         link
     };
-    let frame = |frame: &Frame| Frame {
+    let frame = |frame: &Link| Link {
         pose: pose(&frame.pose),
         inertial: inertial(&frame.inertial),
         ..frame.clone()
     };
-    let links = model.links().iter().map(link).collect();
-    let frames = model.frames().iter().map(frame).collect();
+    let links = model.moving_links().iter().map(link).collect();
+    let frames = model.links().iter().map(frame).collect();
     let gravity = model.gravity().map(|x| scale * x);
     Model::new(model.name(), gravity, links, frames).expect("sound parts")
 }

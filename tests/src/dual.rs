@@ -123,7 +123,7 @@ pub fn along<S: Scalar>(x: &[S], k: usize) -> Vec<Tangent<S>> {
 /// position of a floating joint, and the velocity itself for other joints.
 pub fn along_velocity<S: Scalar>(model: &Model, q: &[S], k: usize) -> Vec<Tangent<S>> {
     let mut seeded = constant(q);
-    for (i, link) in model.links().iter().enumerate() {
+    for (i, link) in model.moving_links().iter().enumerate() {
         if link.joint.mimic.is_some() || !model.v_range(i).contains(&k) {
             continue;
         }

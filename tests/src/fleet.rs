@@ -309,7 +309,7 @@ impl Spec {
             Chains => ModuleChoice::Chains,
             Links => ModuleChoice::Links,
             List(_) => {
-                let name = |i: usize| model.links()[i].name.clone();
+                let name = |i: usize| model.moving_links()[i].name.clone();
                 let tree = self.modules(&model);
                 let lists = tree.modules().iter().map(|module| module.links.clone().map(name));
                 ModuleChoice::List(lists.map(Iterator::collect).collect())

@@ -124,7 +124,11 @@ impl Golden {
 
         let order = if data["coordinates"] == "modyn" {
             let same = |n: usize| (0..n).collect();
-            Order { joints: None, velocities: same(model.nv()), links: same(model.links().len()) }
+            Order {
+                joints: None,
+                velocities: same(model.nv()),
+                links: same(model.moving_links().len()),
+            }
         } else {
             Order::by_name(&data, &model)
         };
@@ -139,7 +143,7 @@ impl Order {
     fn by_name(data: &Value, model: &Model) -> Self {
         let floats = |joint: JointType| joint == JointType::Floating;
         let (bases, links): (Vec<_>, Vec<_>) =
-            model.links().iter().partition(|link| floats(link.joint.joint_type));
+            model.moving_links().iter().partition(|link| floats(link.joint.joint_type));
         let names = list(&data["joint_order"]).iter().filter_map(Value::as_str);
         let names: Vec<&str> = names.skip(bases.len()).collect();
         assert_eq!(names.len(), links.len(), "{}: joints", model.name());
@@ -233,9 +237,9 @@ impl Quantities {
     #[must_use]
     pub fn wrenches(&self, model: &Model) -> Vec<Wrench<f64>> {
         let given = self.get("wrenches").as_object().expect("wrenches by link");
-        let mut wrenches = vec![Wrench::zero(); model.frames().len()];
+        let mut wrenches = vec![Wrench::zero(); model.links().len()];
         for (name, wrench) in given {
-            let at = model.frames().iter().position(|frame| &frame.name == name);
+            let at = model.links().iter().position(|link| &link.name == name);
             let at = at.unwrap_or_else(|| panic!("no link `{name}`"));
             wrenches[at] = self::wrench(&numbers(wrench));
         }
@@ -312,12 +316,12 @@ fn with_contacts(model: Model, contacts: &Value) -> Model {
         let text = |name: &str| contact[name].as_str().expect("a text");
         let three =
             |name: &str| <[f64; 3]>::try_from(numbers(&contact[name])).expect("three numbers");
-        let frame = model.frames().iter().position(|frame| frame.name == text("link"));
+        let frame = model.links().iter().position(|frame| frame.name == text("link"));
         Contact {
             name: text("name").into(),
             kind: ContactKind::from_name(text("kind")).expect("a kind of contact"),
             end: LoopConstraintEnd {
-                frame: frame.unwrap_or_else(|| panic!("no link `{}`", text("link"))),
+                link: frame.unwrap_or_else(|| panic!("no link `{}`", text("link"))),
                 pose: Pose { rotation: roll_pitch_yaw(three("rpy")), translation: three("xyz") },
             },
         }

@@ -71,7 +71,7 @@ fn plane(axis: Vector3<f64>) -> Matrix3<f64> {
 
 /// Returns the entries of the joint of link `i`, through all joints that it follows.
 fn place(model: &Model, i: usize) -> Place {
-    let links = model.links();
+    let links = model.moving_links();
     if let Some(mimic) = links[i].joint.mimic {
         let Place { q, v, ratio, offset } = place(model, mimic.leader);
         let (ratio, offset) = (mimic.multiplier * ratio, mimic.multiplier * offset + mimic.offset);
@@ -98,7 +98,7 @@ impl<'a> Naive<'a> {
 
     /// Adds link `i` at coordinates `q`; its parent has been added before.
     fn add(&mut self, i: usize, q: &[f64]) {
-        let link = &self.model.links()[i];
+        let link = &self.model.moving_links()[i];
         let joint = &link.joint;
         let Place { q: start, v: first, ratio, offset } = place(self.model, i);
         let q: Vec<f64> =
@@ -167,17 +167,17 @@ impl<'a> Naive<'a> {
     }
 
     fn center(&self, i: usize) -> Vector3<f64> {
-        let center = self.model.links()[i].inertial.center_of_mass;
+        let center = self.model.moving_links()[i].inertial.center_of_mass;
         self.origins[i] + self.rotations[i] * Vector3::from(center)
     }
 
     fn mass(&self, i: usize) -> f64 {
-        self.model.links()[i].inertial.mass
+        self.model.moving_links()[i].inertial.mass
     }
 
     /// Returns the inertia about the centre of mass, in world axes.
     fn inertia(&self, i: usize) -> Matrix3<f64> {
-        let [xx, xy, xz, yy, yz, zz] = self.model.links()[i].inertial.inertia;
+        let [xx, xy, xz, yy, yz, zz] = self.model.moving_links()[i].inertial.inertia;
         let own = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
         self.rotations[i] * own * self.rotations[i].transpose()
     }
@@ -195,13 +195,13 @@ impl<'a> Naive<'a> {
                 angular_column += motion.angular * motion.ratio;
                 linear_column += velocity * motion.ratio;
             }
-            at = self.model.links()[j].parent;
+            at = self.model.moving_links()[j].parent;
         }
         Jacobian { angular, linear }
     }
 
     fn links(&self) -> std::ops::Range<usize> {
-        0..self.model.links().len()
+        0..self.model.moving_links().len()
     }
 
     /// Returns the poses of all frames.
@@ -211,9 +211,10 @@ impl<'a> Naive<'a> {
             let rotation = Rotation3::from_matrix_unchecked(rotation);
             Isometry3::from_parts(origin.into(), rotation.into()).to_homogeneous()
         };
-        let frames = self.model.frames().iter().map(|frame| {
-            let own = pose(matrix(frame.pose.rotation), frame.pose.translation.into());
-            let world = frame.link.map_or(own, |i| pose(self.rotations[i], self.origins[i]) * own);
+        let frames = self.model.links().iter().map(|link| {
+            let own = pose(matrix(link.pose.rotation), link.pose.translation.into());
+            let world =
+                link.moving_link.map_or(own, |i| pose(self.rotations[i], self.origins[i]) * own);
             Pose {
                 rotation: std::array::from_fn(|i| std::array::from_fn(|j| world[(i, j)])),
                 translation: std::array::from_fn(|i| world[(i, 3)]),
@@ -257,7 +258,7 @@ impl<'a> Naive<'a> {
     #[must_use]
     pub fn rotors(&self) -> DMatrix<f64> {
         let mut sum = DMatrix::zeros(self.model.nv(), self.model.nv());
-        for (link, motions) in self.model.links().iter().zip(&self.motions) {
+        for (link, motions) in self.model.moving_links().iter().zip(&self.motions) {
             for Motion { v, ratio, .. } in motions {
                 sum[(*v, *v)] += ratio * ratio * link.joint.dynamics.armature;
             }
@@ -293,19 +294,19 @@ impl<'a> Naive<'a> {
     /// Returns for each compensated frame its link, the part of its weight that is compensated, and its centre of mass.
     fn compensated(&self) -> impl Iterator<Item = (usize, Vector3<f64>, Vector3<f64>)> {
         let gravity = Vector3::from(self.model.gravity());
-        let frames = self.model.frames().iter().zip(self.poses());
+        let frames = self.model.links().iter().zip(self.poses());
         let frames = frames.zip(self.model.gravity_compensation());
         frames.filter_map(move |((frame, pose), factor)| {
             let own = Vector3::from(frame.inertial.center_of_mass);
             let center = Vector3::from(pose.translation) + matrix(pose.rotation) * own;
-            Some((frame.link?, gravity * (factor * frame.inertial.mass), center))
+            Some((frame.moving_link?, gravity * (factor * frame.inertial.mass), center))
         })
     }
 
     /// Returns the displacement of a spring's joint from the reference, along the joint's motions.
     fn stretch(&self, spring: &Spring) -> Vec<f64> {
         let Spring { link, reference, .. } = spring;
-        let (joint, q) = (&self.model.links()[*link].joint, &self.coordinates[*link]);
+        let (joint, q) = (&self.model.moving_links()[*link].joint, &self.coordinates[*link]);
         let from = match joint.joint_type {
             JointType::Spherical => 0,
             JointType::Floating => 3,
@@ -334,7 +335,7 @@ impl<'a> Naive<'a> {
     #[must_use]
     pub fn dissipation(&self, qd: &[f64]) -> Vec<f64> {
         let mut tau = vec![0.0; qd.len()];
-        for (link, motions) in self.model.links().iter().zip(&self.motions) {
+        for (link, motions) in self.model.moving_links().iter().zip(&self.motions) {
             let dynamics = &link.joint.dynamics;
             for Motion { v, ratio, .. } in motions {
                 let rate = ratio * qd[*v];
@@ -364,9 +365,9 @@ impl<'a> Naive<'a> {
             Forces::InWorldAxes(forces) => (forces, true),
         };
         for ((frame, pose), Wrench { moment, force }) in
-            self.model.frames().iter().zip(self.poses()).zip(forces)
+            self.model.links().iter().zip(self.poses()).zip(forces)
         {
-            let Some(link) = frame.link else { continue };
+            let Some(link) = frame.moving_link else { continue };
             let axes = if in_world { Matrix3::identity() } else { matrix(pose.rotation) };
             let Jacobian { angular, linear } = self.jacobian(link, pose.translation.into());
             tau += linear.transpose() * (axes * Vector3::from(force.0));
@@ -382,7 +383,7 @@ impl<'a> Naive<'a> {
         let gravity = Vector3::from(self.model.gravity());
         let mut tau = DVector::from_vec(self.dissipation(qd));
         tau += DVector::from_vec(self.springs());
-        for (link, motions) in self.model.links().iter().zip(&self.motions) {
+        for (link, motions) in self.model.moving_links().iter().zip(&self.motions) {
             let (joint, v) = (&link.joint, motions.first().map_or(0, |motion| motion.v));
             if joint.joint_type == JointType::Floating {
                 // The armature of a floating joint is moved by the classical acceleration of its origin.
@@ -398,7 +399,7 @@ impl<'a> Naive<'a> {
         tau += self.rotors() * DVector::from_column_slice(qdd);
         // Angular velocity, angular acceleration, acceleration of the origin.
         let mut motions: Vec<[Vector3<f64>; 3]> = Vec::new();
-        for (i, link) in self.model.links().iter().enumerate() {
+        for (i, link) in self.model.moving_links().iter().enumerate() {
             let (parent, origin) =
                 link.parent.map_or(([Vector3::zeros(); 3], Vector3::zeros()), |p| {
                     (motions[p], self.origins[p])

@@ -90,7 +90,7 @@ impl<S: Scalar> Quantities<S> for Interpreter<S> {
     }
 
     fn poses(&mut self, q: &[S]) -> Vec<Pose<S>> {
-        let mut poses = vec![Pose::identity(); self.model().frames().len()];
+        let mut poses = vec![Pose::identity(); self.model().links().len()];
         self.link_poses(q, &mut poses).expect(LENGTHS);
         poses
     }

@@ -7,8 +7,8 @@ use std::ops::Range;
 use modyn_runtime::joint::JointType;
 use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::model::{
-    DEFAULT_GRAVITY, Frame, Inertial, Joint, JointDynamics, JointFriction, JointSum, Limits, Link,
-    Mimic, Model, ModuleTree, SoftConstraints, SoftCoupling, SoftTendon, Softness, Spring,
+    DEFAULT_GRAVITY, Inertial, Joint, JointDynamics, JointFriction, JointSum, Limits, Link, Mimic,
+    Model, ModuleTree, MovingLink, SoftConstraints, SoftCoupling, SoftTendon, Softness, Spring,
     TendonJoint, TendonSpring,
 };
 use modyn_runtime::spatial::Pose;
@@ -290,7 +290,7 @@ pub fn general_zoo(seed: u64, links: usize) -> Model {
 #[must_use]
 pub fn with_tendons(model: Model, seed: u64) -> Model {
     let mut random = Random::new(seed);
-    let links = model.links().iter().enumerate();
+    let links = model.moving_links().iter().enumerate();
     let single = links.filter(|(_, link)| link.joint.joint_type.nv() == 1).map(|(link, _)| link);
     let single: Vec<usize> = single.collect();
     let sum = |random: &mut Random, joints: &[usize]| {
@@ -376,9 +376,9 @@ pub fn limbs(seed: u64, joints: usize) -> Model {
     }
     let (count, base) = (
         parts.len(),
-        Frame {
+        Link {
             name: "base".into(),
-            link: None,
+            moving_link: None,
             pose: Pose::identity(),
             inertial: Inertial::default(),
         },
@@ -398,12 +398,12 @@ pub fn limbs(seed: u64, joints: usize) -> Model {
     let links = order.iter().enumerate().map(|(i, &part)| {
         let LimbPart { parent, joint, inertial } = parts[part].clone();
         let joint = Joint { name: format!("joint{i}"), ..joint };
-        Link { name: format!("link{i}"), parent: parent.and_then(place), joint, inertial }
+        MovingLink { name: format!("link{i}"), parent: parent.and_then(place), joint, inertial }
     });
-    let links: Vec<Link> = links.collect();
-    let frames = links.iter().enumerate().map(|(i, link)| Frame {
+    let links: Vec<MovingLink> = links.collect();
+    let frames = links.iter().enumerate().map(|(i, link)| Link {
         name: link.name.clone(),
-        link: Some(i),
+        moving_link: Some(i),
         pose: Pose::identity(),
         inertial: link.inertial,
     });
@@ -505,12 +505,12 @@ pub fn for_all_kinds(models: impl Iterator<Item = Model>, mut check: impl FnMut(
     let (mut followers, mut types, mut driven, mut resisted) = (0, BTreeSet::new(), 0, 0);
     let (mut sprung, mut compensated) = (BTreeSet::new(), 0);
     for (index, model) in (0..).zip(models) {
-        followers += model.links().iter().filter(|link| link.joint.mimic.is_some()).count();
-        types.extend(model.links().iter().map(|link| link.joint.joint_type.name()));
+        followers += model.moving_links().iter().filter(|link| link.joint.mimic.is_some()).count();
+        types.extend(model.moving_links().iter().map(|link| link.joint.joint_type.name()));
         let dofs = Mechanism::new(&model).dofs;
         driven += dofs.iter().filter(|dof| dof.armature.is_some()).count();
         resisted += dofs.iter().filter(|dof| dof.friction.is_some()).count();
-        let springs = model.springs().iter().map(|spring| &model.links()[spring.link].joint);
+        let springs = model.springs().iter().map(|spring| &model.moving_links()[spring.link].joint);
         sprung.extend(springs.map(|joint| joint.joint_type.name()));
         compensated += usize::from(!model.gravity_compensation().is_empty());
         check(index, &model);
@@ -548,7 +548,7 @@ fn furnished(mut parts: Parts, seed: u64, name: String) -> Model {
 fn gravity_compensation(seed: u64, model: &Model) -> Vec<f64> {
     let mut random = Random::new(seed ^ 0x4752_4156);
     let any = random.chance(0.3);
-    let frames = model.frames().iter().filter(|_| any);
+    let frames = model.links().iter().filter(|_| any);
     frames.map(|_| if random.chance(0.5) { random.between(-0.5, 1.5) } else { 0.0 }).collect()
 }
 
@@ -557,7 +557,7 @@ fn gravity_compensation(seed: u64, model: &Model) -> Vec<f64> {
 #[must_use]
 pub fn springs_are_smooth(model: &Model, q: &[f64]) -> bool {
     model.springs().iter().all(|Spring { link, reference, .. }| {
-        let first = match model.links()[*link].joint.joint_type {
+        let first = match model.moving_links()[*link].joint.joint_type {
             JointType::Spherical => 0,
             JointType::Floating => 3,
             _ => return true,
@@ -575,7 +575,7 @@ fn springs(seed: u64, part: f64, model: &Model) -> Vec<Spring> {
         return Vec::new();
     }
     let mut springs = Vec::new();
-    for (link, Link { joint, .. }) in model.links().iter().enumerate() {
+    for (link, MovingLink { joint, .. }) in model.moving_links().iter().enumerate() {
         if random.chance(0.4) {
             continue;
         }
@@ -599,8 +599,8 @@ fn serial(seed: u64) -> f64 {
 /// The parts of a model.
 struct Parts {
     gravity: [f64; 3],
-    links: Vec<Link>,
-    frames: Vec<Frame>,
+    links: Vec<MovingLink>,
+    frames: Vec<Link>,
 }
 
 /// Returns a tree in which a link's parent is the link before it with this probability; `joint` makes the joints.
@@ -615,9 +615,9 @@ fn grow(
         0 => std::array::from_fn(|_| random.between(-10.0, 10.0)),
         _ => DEFAULT_GRAVITY,
     };
-    let base = Frame {
+    let base = Link {
         name: "base".into(),
-        link: None,
+        moving_link: None,
         pose: Pose::identity(),
         inertial: Inertial::default(),
     };
@@ -633,14 +633,14 @@ fn grow(
         let name = format!("link{i}");
         let joint = joint(&mut random, i, parent);
         let inertial = random.inertial();
-        links.push(Link { name: name.clone(), parent, joint, inertial });
+        links.push(MovingLink { name: name.clone(), parent, joint, inertial });
         let inertial = links[i].inertial;
-        frames.push(Frame { name, link: Some(i), pose: Pose::identity(), inertial });
+        frames.push(Link { name, moving_link: Some(i), pose: Pose::identity(), inertial });
         if random.chance(0.2) {
             let link = random.chance(0.8).then_some(i);
-            frames.push(Frame {
+            frames.push(Link {
                 name: format!("fixed{i}"),
-                link,
+                moving_link: link,
                 pose: random.pose(),
                 inertial: Inertial::default(),
             });
@@ -659,7 +659,7 @@ impl Parts {
     /// Replaces the axes and poses of joints and fixed frames by ones in general position.
     fn unalign(&mut self, seed: u64) {
         let mut random = Random::new(seed ^ 0x0047_454e);
-        for Link { joint, .. } in &mut self.links {
+        for MovingLink { joint, .. } in &mut self.links {
             joint.axis = random.unit();
             joint.second_axis = random.across(joint.axis, Random::unit);
             joint.origin = random.any_pose();
@@ -673,7 +673,7 @@ impl Parts {
     fn weigh_frames(&mut self, random: &mut Random) {
         for frame in self.frames.iter_mut().filter(|frame| frame.name.starts_with("fixed")) {
             frame.inertial = random.inertial();
-            if let Some(link) = frame.link {
+            if let Some(link) = frame.moving_link {
                 let own = frame.inertial.transformed(&frame.pose);
                 self.links[link].inertial = self.links[link].inertial.merged(&own);
             }
@@ -682,7 +682,7 @@ impl Parts {
 
     /// Makes some joints with one coordinate follow others.
     fn follow(&mut self, random: &mut Random) {
-        let single = |link: &Link| link.joint.joint_type.nq() == 1;
+        let single = |link: &MovingLink| link.joint.joint_type.nq() == 1;
         let all = self.links.iter().enumerate();
         let candidates: Vec<usize> = all.filter(|(_, link)| single(link)).map(|(i, _)| i).collect();
         for &i in &candidates {
@@ -731,7 +731,7 @@ pub fn modules(seed: u64, model: &Model) -> ModuleTree {
                 list.push(Vec::new());
             }
             if let Some(module) = list.last_mut() {
-                module.push(&model.links()[i].name);
+                module.push(&model.moving_links()[i].name);
             }
         }
     }
@@ -766,7 +766,7 @@ pub fn state(seed: u64, model: &Model) -> State {
 
 /// Scales the quaternions in `q` to unit length.
 pub fn normalize_configuration(model: &Model, q: &mut [f64]) {
-    for (i, link) in model.links().iter().enumerate() {
+    for (i, link) in model.moving_links().iter().enumerate() {
         let range = model.q_range(i);
         let quaternion = match link.joint.joint_type {
             JointType::Spherical => &mut q[range],

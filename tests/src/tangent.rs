@@ -11,7 +11,7 @@ use crate::random::normalize_configuration;
 #[must_use]
 pub fn rates(model: &Model, q: &[f64], qd: &[f64]) -> Vec<f64> {
     let mut rates = Vec::with_capacity(q.len());
-    for (i, link) in model.links().iter().enumerate() {
+    for (i, link) in model.moving_links().iter().enumerate() {
         if link.joint.mimic.is_some() {
             continue;
         }

@@ -21,14 +21,14 @@ fn calls_allocate_nothing() {
     for (seed, model) in robots() {
         let n = model.nv();
         let State { q, qd, tau, .. } = state(seed, &model);
-        let wrenches = vec![Wrench::zero(); model.frames().len()];
+        let wrenches = vec![Wrench::zero(); model.links().len()];
         for modules in [ModuleTree::links(&model), ModuleTree::chains(&model)] {
             let mut interpreter = Interpreter::<f64>::new(model.clone())
                 .eliminating_by(&modules)
                 .expect("its own modules");
-            let mut poses = vec![Pose::identity(); model.frames().len()];
+            let mut poses = vec![Pose::identity(); model.links().len()];
             let (mut a, mut b, mut columns) = (vec![0.0; n], vec![0.0; n], vec![0.0; n * n]);
-            let own = model.frames()[1].inertial;
+            let own = model.links()[1].inertial;
             let heavier = Inertial { mass: 2.0 * own.mass, ..own };
             interpreter.set_inertial(1, &own).expect("the description's");
             let (result, allocated) = measure(|| {
@@ -63,7 +63,7 @@ fn derivatives_allocate_at_their_first_call_alone() {
         let square = model.nv() * model.nv();
         let State { q, qd, tau, mut qdd } = state(seed, &model);
         let [mut dq, mut dqd, mut dtau] = [(); 3].map(|()| vec![0.0; square]);
-        let wrenches = vec![Wrench::zero(); model.frames().len()];
+        let wrenches = vec![Wrench::zero(); model.links().len()];
         let mut interpreter = Interpreter::<f64>::new(model);
         let mut derive = || {
             interpreter.inverse_dynamics_derivatives(&q, &qd, &tau, &mut dq, &mut dqd)?;

@@ -48,7 +48,7 @@ proptest! {
         let mut random = Random::new(robot.seed());
         for _ in 0..6 {
             // Frames that are fixed to links or to the world are changed, too.
-            let at = random.below(model.frames().len());
+            let at = random.below(model.links().len());
             let inertial = random.inertial();
             model = changed(&model, at, inertial);
             interpreter.set_inertial(at, &inertial).expect("a body's");
@@ -56,7 +56,7 @@ proptest! {
         }
         prop_assert_eq!(interpreter.model(), &made_for);
         // The described inertias give the described robot again.
-        for (at, frame) in made_for.frames().iter().enumerate() {
+        for (at, frame) in made_for.links().iter().enumerate() {
             interpreter.set_inertial(at, &frame.inertial).expect("a body's");
         }
         assert_same(&mut interpreter, &mut Interpreter::new(made_for), &state);
@@ -74,7 +74,7 @@ proptest! {
         }
         // The links' weights, given as external forces, replace gravity.
         let factors = model.gravity_compensation().iter().copied().chain(std::iter::repeat(0.0));
-        let weights: Vec<_> = zip(zip(model.frames(), factors), interpreter.poses(&state.q))
+        let weights: Vec<_> = zip(zip(model.links(), factors), interpreter.poses(&state.q))
             .map(|((frame, compensated), pose)| {
                 let lever = Vector3(pose.rotate(frame.inertial.center_of_mass));
                 let force = Vector3(model.gravity()).scale((1.0 - compensated) * frame.inertial.mass);
@@ -93,7 +93,7 @@ proptest! {
         let State { q, qd, qdd, .. } = state(robot.seed(), &model);
         let mut interpreter = Interpreter::<f64>::new(model.clone());
         let expected = interpreter.tau(&q, &qd, &qdd);
-        let count = model.frames().len();
+        let count = model.links().len();
         let good = Random::new(robot.seed()).inertial();
         let refused = |interpreter: &mut Interpreter<f64>, frame, inertial: &Inertial| {
             let error = interpreter.set_inertial(frame, inertial).expect_err("refused");
@@ -101,7 +101,7 @@ proptest! {
             error
         };
         let error = refused(&mut interpreter, count, &good);
-        prop_assert_eq!(error, InertialError::NoFrame { frame: count, count });
+        prop_assert_eq!(error, InertialError::NoLink { link: count, count });
         for frame in 0..count {
             let error = refused(&mut interpreter, frame, &Inertial { mass: -1.0, ..good });
             prop_assert_eq!(error, InertialError::Defect(InertialDefect::NegativeMass(-1.0)));

@@ -12,7 +12,7 @@ use modyn_runtime::equations::constraints::{
 use modyn_runtime::equations::{self, ForwardInput};
 use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::model::{
-    Contact, ContactKind, Frame, LoopConstraint, LoopConstraintEnd, LoopConstraintKind, Model,
+    Contact, ContactKind, Link, LoopConstraint, LoopConstraintEnd, LoopConstraintKind, Model,
     ModuleTree,
 };
 use modyn_runtime::num_dual::HyperDual64;
@@ -63,7 +63,7 @@ fn pose(random: &mut Random) -> Pose<f64> {
 /// Returns the model with these contacts, at frames in general position.
 fn touching(model: &Model, contacts: &[(ContactKind, usize)], random: &mut Random) -> Model {
     let contact = |(k, &(kind, frame)): (usize, &(ContactKind, usize))| {
-        let end = LoopConstraintEnd { frame, pose: pose(random) };
+        let end = LoopConstraintEnd { link: frame, pose: pose(random) };
         Contact { name: format!("c{k}"), kind, end }
     };
     let contacts = contacts.iter().enumerate().map(contact).collect();
@@ -230,7 +230,7 @@ fn floating_robots_have_the_hessians_of_dual_numbers() {
     for seed in 0..5 {
         let random = &mut Random::new(seed + 40);
         let tree = floated(&random::mixed_tree(seed, 4), random.inertial());
-        let last = tree.frames().len() - 1;
+        let last = tree.links().len() - 1;
         let contacts: &[_] = match seed % 2 {
             0 => &[(OfPoint, last), (OfPoint, last - 2)],
             _ => &[(Surface, last), (OfPoint, 1)],
@@ -249,7 +249,7 @@ fn robots_of_all_joints_have_the_hessians_of_dual_numbers() {
     for seed in 0..4 {
         let random = &mut Random::new(seed + 80);
         let zoo = random::mixed_zoo(seed, 7);
-        let model = touching(&zoo, &[(OfPoint, zoo.frames().len() - 1)], random);
+        let model = touching(&zoo, &[(OfPoint, zoo.links().len() - 1)], random);
         let point = point(&model, seed, vec![true], 1.0);
         compare(&format!("joints, seed {seed}"), &model, &point);
     }
@@ -261,7 +261,7 @@ fn contacts_with_compliance_share_a_body() {
     for seed in 0..2 {
         let random = &mut Random::new(seed + 120);
         let tree = floated(&random::mixed_tree(seed, 3), random.inertial());
-        let last = tree.frames().len() - 1;
+        let last = tree.links().len() - 1;
         let model = touching(&tree, &[(OfPoint, last); 3], random);
         let mut point = point(&model, seed, vec![true; 3], 1.0);
         for (k, target) in (1..).zip(&mut point.settings.targets) {
@@ -276,9 +276,9 @@ fn contacts_with_compliance_share_a_body() {
 /// anywhere.
 fn looped(model: &Model, kind: LoopConstraintKind, random: &mut Random) -> Model {
     loop {
-        let count = model.frames().len();
+        let count = model.links().len();
         let frames = [random.below(count / 2), count - 1 - random.below(2)];
-        let ends = frames.map(|frame| LoopConstraintEnd { frame, pose: pose(random) });
+        let ends = frames.map(|frame| LoopConstraintEnd { link: frame, pose: pose(random) });
         let name = "loop".to_string();
         // Links that do not move relative to each other are refused.
         let looped = model.clone().with_loop_constraints(vec![LoopConstraint { name, kind, ends }]);
@@ -307,7 +307,7 @@ fn closed_loops_have_the_hessians_of_dual_numbers() {
         };
         let model = looped(&tree, kinds[kind], random);
         let model = match seed % 3 {
-            0 => touching(&model, &[(OfPoint, tree.frames().len() - 1)], random),
+            0 => touching(&model, &[(OfPoint, tree.links().len() - 1)], random),
             _ => model,
         };
         let active = vec![true; model.contacts().len()];
@@ -340,10 +340,10 @@ fn rigid_contacts_share_a_body() {
     for seed in 0..3 {
         let random = &mut Random::new(seed + 160);
         let tree = floated(&random::chain(seed, 5), random.inertial());
-        let on_base = |frame: &Frame| frame.link == Some(0);
-        let base = tree.frames().iter().position(on_base).expect("a frame of the base");
+        let on_base = |frame: &Link| frame.moving_link == Some(0);
+        let base = tree.links().iter().position(on_base).expect("a frame of the base");
         let feet =
-            [(OfPoint, base), (OfPoint, base), (OfPoint, base), (OfPoint, tree.frames().len() - 1)];
+            [(OfPoint, base), (OfPoint, base), (OfPoint, base), (OfPoint, tree.links().len() - 1)];
         let model = touching(&tree, &feet, random);
         let mut point = point(&model, seed, vec![true; 4], 0.0);
         point.qd[..6].fill(0.0);
@@ -382,7 +382,7 @@ fn counts_are_as_frozen() {
         let path = format!("{}/../robots/{robot}.urdf", env!("CARGO_MANIFEST_DIR"));
         let model = golden::model(std::path::Path::new(&path));
         let model = floated(&model, modyn_runtime::model::Inertial::default());
-        let frames = feet.iter().map(|foot| (OfPoint, model.frame_index(foot).expect("a link")));
+        let frames = feet.iter().map(|foot| (OfPoint, model.link_index(foot).expect("a link")));
         let random = &mut Random::new(1);
         let model = touching(&model, &frames.collect::<Vec<_>>(), random);
         let mechanism = Mechanism::new(&model);

@@ -4,7 +4,7 @@ use std::iter::zip;
 use std::path::Path;
 
 use modyn_runtime::joint::JointType;
-use modyn_runtime::model::{DEFAULT_GRAVITY, Frame, Inertial, Joint, Link, Model};
+use modyn_runtime::model::{DEFAULT_GRAVITY, Inertial, Joint, Link, Model, MovingLink};
 use modyn_runtime::spatial::Pose;
 use modyn_runtime::{Interpreter, Scalar};
 use modyn_tests::close::assert_close;
@@ -21,12 +21,12 @@ fn robot() -> Model {
     let link = |(i, joint_type): (usize, JointType)| {
         let joint = Joint::new(format!("joint{i}"), joint_type, [1.0, 0.0, 0.0], Pose::identity());
         let name = format!("link{i}");
-        Link { name, parent: i.checked_sub(1), joint, inertial: Inertial::default() }
+        MovingLink { name, parent: i.checked_sub(1), joint, inertial: Inertial::default() }
     };
-    let links: Vec<Link> = types.into_iter().enumerate().map(link).collect();
-    let frames = links.iter().enumerate().map(|(i, link)| Frame {
+    let links: Vec<MovingLink> = types.into_iter().enumerate().map(link).collect();
+    let frames = links.iter().enumerate().map(|(i, link)| Link {
         name: link.name.clone(),
-        link: Some(i),
+        moving_link: Some(i),
         pose: Pose::identity(),
         inertial: link.inertial,
     });

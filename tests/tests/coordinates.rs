@@ -6,7 +6,9 @@ use std::iter::zip;
 use modyn_runtime::joint::JointType;
 use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::mechanism::coordinates::CoordinateSpace;
-use modyn_runtime::model::{DEFAULT_GRAVITY, Frame, Inertial, Joint, Limits, Link, Mimic, Model};
+use modyn_runtime::model::{
+    DEFAULT_GRAVITY, Inertial, Joint, Limits, Link, Mimic, Model, MovingLink,
+};
 use modyn_runtime::spatial::Pose;
 use modyn_runtime::{Interpreter, Scalar, ShapeError};
 use modyn_tests::close::assert_close;
@@ -29,7 +31,7 @@ fn robot() -> Interpreter<f64> {
         (JointType::Prismatic, None, None),
         (JointType::Spherical, None, None),
     ];
-    let links: Vec<Link> = types
+    let links: Vec<MovingLink> = types
         .into_iter()
         .enumerate()
         .map(|(i, (joint_type, limits, leader))| {
@@ -38,12 +40,12 @@ fn robot() -> Interpreter<f64> {
             let joint = Joint::new(format!("joint{i}"), joint_type, [0.0, 0.6, 0.8], origin);
             let joint = Joint { limits, mimic, ..joint };
             let name = format!("link{i}");
-            Link { name, parent: i.checked_sub(1), joint, inertial: Inertial::default() }
+            MovingLink { name, parent: i.checked_sub(1), joint, inertial: Inertial::default() }
         })
         .collect();
-    let frames = links.iter().enumerate().map(|(i, link)| Frame {
+    let frames = links.iter().enumerate().map(|(i, link)| Link {
         name: link.name.clone(),
-        link: Some(i),
+        moving_link: Some(i),
         pose: Pose::identity(),
         inertial: link.inertial,
     });
@@ -334,7 +336,7 @@ fn limits_on_one_side_leave_a_range_on_the_other() {
         let limits = Some(Limits { lower, upper, velocity: None, effort: None });
         let joint = Joint { limits, ..joint };
         let name = "link".into();
-        let links = vec![Link { name, parent: None, joint, inertial: Inertial::default() }];
+        let links = vec![MovingLink { name, parent: None, joint, inertial: Inertial::default() }];
         let model = Model::new("one", DEFAULT_GRAVITY, links, vec![]).expect("a valid model");
         match Mechanism::new(&model).coordinates[0].space {
             CoordinateSpace::Line { low, high } => (low, high),
@@ -359,7 +361,7 @@ fn limits_of_mimic_joints_are_limits_of_their_leader() {
                 (Some(Mimic { leader, multiplier, offset }), range)
             },
         ));
-        let links: Vec<Link> = joints
+        let links: Vec<MovingLink> = joints
             .enumerate()
             .map(|(i, (mimic, [lower, upper]))| {
                 let joint = Joint::new(
@@ -373,7 +375,7 @@ fn limits_of_mimic_joints_are_limits_of_their_leader() {
                 let limits = Some(Limits { lower, upper, velocity: None, effort: None });
                 let joint = Joint { limits, mimic, ..joint };
                 let name = format!("link{i}");
-                Link { name, parent: i.checked_sub(1), joint, inertial: Inertial::default() }
+                MovingLink { name, parent: i.checked_sub(1), joint, inertial: Inertial::default() }
             })
             .collect();
         let model = Model::new("mimics", DEFAULT_GRAVITY, links, vec![]).expect("a valid model");

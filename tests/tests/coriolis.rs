@@ -79,7 +79,7 @@ fn the_coriolis_matrix_has_the_forces_and_the_symmetry() {
 fn time_derivatives_of_jacobians_are_the_differences_along_the_motion() {
     for (seed, model) in robots() {
         let State { q, qd, .. } = random::state(seed, &model);
-        let (n, links) = (model.nv(), model.frames().len());
+        let (n, links) = (model.nv(), model.links().len());
         let mut robot = Interpreter::<f64>::new(model);
         for link in 0..links {
             for local in [false, true] {

@@ -72,8 +72,8 @@ fn random_trees_agree_with_tangents_of_the_dynamics() {
     for seed in 0..200 {
         let links = 1 + usize::try_from(seed % 9).expect("a digit");
         let model = random::mixed_zoo(seed, links);
-        followers += model.links().iter().filter(|link| link.joint.mimic.is_some()).count();
-        types.extend(model.links().iter().map(|link| link.joint.joint_type.name()));
+        followers += model.moving_links().iter().filter(|link| link.joint.mimic.is_some()).count();
+        types.extend(model.moving_links().iter().map(|link| link.joint.joint_type.name()));
         let n = model.nv();
         let State { q, qd, qdd, tau } = random::state(seed, &model);
         let mut interpreter = Interpreter::new(model.clone());
@@ -117,13 +117,13 @@ fn derivatives_under_external_wrenches_agree_with_tangents_of_the_dynamics() {
     let mut followers = 0;
     for seed in 0..100 {
         let model = random::mixed_zoo(seed, 1 + usize::try_from(seed % 9).expect("a digit"));
-        followers += model.links().iter().filter(|link| link.joint.mimic.is_some()).count();
+        followers += model.moving_links().iter().filter(|link| link.joint.mimic.is_some()).count();
         let n = model.nv();
         let State { q, qd, qdd, tau } = random::state(seed, &model);
         let mut random = Random::new(seed);
         let wrench =
             |_: &_| Wrench::from_components(std::array::from_fn(|_| random.between(-9.0, 9.0)));
-        let wrenches: Vec<Wrench<f64>> = model.frames().iter().map(wrench).collect();
+        let wrenches: Vec<Wrench<f64>> = model.links().iter().map(wrench).collect();
         let duals: Vec<Wrench<Tangent<f64>>> = wrenches
             .iter()
             .map(|wrench| {

@@ -7,7 +7,7 @@ use modyn_tests::random::{State, chain, general_tree, general_zoo, state, tree, 
 /// Returns the FNV-1a hash of the bits of a model's and a state's numbers.
 fn fingerprint(model: &Model) -> u64 {
     let State { q, qd, qdd, tau } = state(0, model);
-    let links = model.links().iter().flat_map(|link| {
+    let links = model.moving_links().iter().flat_map(|link| {
         let parent = [link.parent.map_or(0.0, |_| 1.0)];
         let (joint, inertial) = (&link.joint, &link.inertial);
         [
@@ -21,13 +21,13 @@ fn fingerprint(model: &Model) -> u64 {
         ]
         .concat()
     });
-    let extras = model.links().iter().flat_map(|link| {
+    let extras = model.moving_links().iter().flat_map(|link| {
         let JointDynamics { armature, damping, friction } = link.joint.dynamics;
         let mimic = link.joint.mimic.map_or([0.0; 2], |mimic| [mimic.multiplier, mimic.offset]);
         [&link.joint.second_axis[..], &[armature, damping, friction], &mimic].concat()
     });
     let frames = model
-        .frames()
+        .links()
         .iter()
         .flat_map(|frame| [frame.pose.rotation.concat(), frame.pose.translation.to_vec()].concat());
     let numbers = links.chain(frames).chain(extras).chain([q, qd, qdd, tau].concat());
@@ -52,14 +52,14 @@ fn every_host_grows_the_same_robots() {
 #[test]
 fn the_same_seed_grows_the_same_robot() {
     assert_eq!(tree(5, 12), tree(5, 12));
-    assert_ne!(tree(5, 12).links(), tree(6, 12).links());
+    assert_ne!(tree(5, 12).moving_links(), tree(6, 12).moving_links());
 }
 
 #[test]
 fn inertias_are_physical() {
     for seed in 0..100 {
         let model = tree(seed, 10);
-        for link in model.links() {
+        for link in model.moving_links() {
             assert_eq!(link.inertial.defect(), None, "seed {seed}, {}", link.name);
             assert!(link.inertial.mass > 0.0);
         }
@@ -77,7 +77,7 @@ fn assert_mixed(is_so: impl Fn(&Model, usize) -> bool) {
 
 #[test]
 fn robots_are_various() {
-    let joint = |model: &Model, i: usize| model.links()[i].joint.clone();
+    let joint = |model: &Model, i: usize| model.moving_links()[i].joint.clone();
     for joint_type in [JointType::Revolute, JointType::Continuous, JointType::Prismatic] {
         assert_mixed(|model, i| joint(model, i).joint_type == joint_type);
     }
@@ -95,11 +95,11 @@ fn robots_are_various() {
     assert_mixed(|model, i| !entries(joint(model, i).origin.rotation).contains(&0.0));
     assert_mixed(|model, i| joint(model, i).limits.is_some());
     assert_mixed(|model, i| model.children()[i].len() > 1);
-    assert_mixed(|model, i| model.links()[i].parent.is_none());
-    assert_mixed(|model, i| model.frames().iter().any(|f| f.name == format!("fixed{i}")));
+    assert_mixed(|model, i| model.moving_links()[i].parent.is_none());
+    assert_mixed(|model, i| model.links().iter().any(|f| f.name == format!("fixed{i}")));
     let serial = (0..50).filter(|&seed| {
         let model = tree(seed, 20);
-        model.links().iter().enumerate().all(|(i, link)| link.parent == i.checked_sub(1))
+        model.moving_links().iter().enumerate().all(|(i, link)| link.parent == i.checked_sub(1))
     });
     assert!((5..=45).contains(&serial.count()));
 }
@@ -109,12 +109,14 @@ fn zoos_have_all_there_is() {
     let zoos: Vec<Model> = (0..50).map(|seed| zoo(seed, 10)).collect();
     let count = |is_so: &dyn Fn(&Model) -> bool| zoos.iter().filter(|model| is_so(model)).count();
     for joint_type in JointType::ALL {
-        let has = |model: &Model| model.links().iter().any(|l| l.joint.joint_type == joint_type);
+        let has =
+            |model: &Model| model.moving_links().iter().any(|l| l.joint.joint_type == joint_type);
         assert!((20..=50).contains(&count(&has)), "{joint_type:?}");
     }
     assert!((10..=40).contains(&count(&Model::has_mimics)));
-    let driven =
-        |model: &Model| model.links().iter().any(|l| l.joint.dynamics != JointDynamics::default());
+    let driven = |model: &Model| {
+        model.moving_links().iter().any(|l| l.joint.dynamics != JointDynamics::default())
+    };
     assert!((20..=45).contains(&count(&driven)));
     assert!((5..=30).contains(&count(&|model| model.joint_friction() == JointFriction::Viscous)));
     assert!(
@@ -128,13 +130,13 @@ fn zoos_have_all_there_is() {
 fn general_robots_have_nothing_special() {
     for seed in 0..50 {
         for model in [general_tree(seed, 10), general_zoo(seed, 5)] {
-            let poses = model.links().iter().map(|link| link.joint.origin);
-            let fixed = model.frames().iter().filter(|frame| frame.name.starts_with("fixed"));
+            let poses = model.moving_links().iter().map(|link| link.joint.origin);
+            let fixed = model.links().iter().filter(|link| link.name.starts_with("fixed"));
             for pose in poses.chain(fixed.map(|frame| frame.pose)) {
                 let entries = [pose.rotation.concat(), pose.translation.to_vec()].concat();
                 assert!(entries.iter().all(|x| x.abs() > 1e-6 && (1.0 - x.abs()) > 1e-9), "{seed}");
             }
-            for link in model.links() {
+            for link in model.moving_links() {
                 for axis in [link.joint.axis, link.joint.second_axis] {
                     assert!(axis.iter().all(|x| x.abs() > 1e-6), "{seed}: {axis:?}");
                 }

@@ -5,7 +5,7 @@ use std::iter::zip;
 use std::ops::Range;
 
 use modyn_runtime::joint::JointType;
-use modyn_runtime::model::{JointFriction, Link, Model, ModuleTree};
+use modyn_runtime::model::{JointFriction, Model, ModuleTree, MovingLink};
 use modyn_runtime::quantities::Function;
 use modyn_runtime::spatial::{Vector3, Wrench};
 use modyn_runtime::{Forces, Interpreter, ShapeError};
@@ -45,7 +45,10 @@ fn plus(a: &[f64], factor: f64, b: &[f64]) -> Vec<f64> {
 /// Returns the entries of qd that belong to the joints of these links; mimic joints have none.
 fn own(model: &Model, links: Range<usize>) -> Range<usize> {
     let joints = |links: Range<usize>| {
-        model.links()[links].iter().map(|link| &link.joint).filter(|joint| joint.mimic.is_none())
+        model.moving_links()[links]
+            .iter()
+            .map(|link| &link.joint)
+            .filter(|joint| joint.mimic.is_none())
     };
     let start = joints(0..links.start).map(|joint| joint.joint_type.nv()).sum();
     start..start + joints(links).map(|joint| joint.joint_type.nv()).sum::<usize>()
@@ -271,7 +274,7 @@ proptest! {
         let model = interpreter.model().clone();
         let mut at = |i: usize, by: f64| interpreter.potential(&plus(&q, by, &unit(links, i)));
         let gradient: Vec<f64> = (0..links)
-            .map(|i| match model.links()[i].joint.joint_type {
+            .map(|i| match model.moving_links()[i].joint.joint_type {
                 // V = a + b q or a + b cos q + c sin q: these differences are exact.
                 JointType::Prismatic => (at(i, 1.0) - at(i, -1.0)) / 2.0,
                 _ => (at(i, FRAC_PI_2) - at(i, -FRAC_PI_2)) / 2.0,
@@ -376,7 +379,7 @@ proptest! {
         let (mut interpreter, State { q, .. }) = set_up(robot);
         let mass = dense(&interpreter.denoc(&q).expect("the length is right").mass);
         let mut bodies = 0;
-        for link in interpreter.model().links() {
+        for link in interpreter.model().moving_links() {
             let i = bodies + inside(link.joint.joint_type);
             let empty = mass.rows(6 * bodies, 6 * (i - bodies));
             prop_assert!(empty.iter().all(|&x| x == 0.0), "nothing inside joints");
@@ -528,15 +531,15 @@ proptest! {
 #[test]
 fn long_chains_of_small_tilts_keep_their_digits() {
     let chain = random::chain(5, 30);
-    let links = chain.links().iter().cloned().map(|mut link| {
+    let links = chain.moving_links().iter().cloned().map(|mut link| {
         let (sin, cos) = 0.768_f64.sin_cos();
         link.joint.joint_type = JointType::Revolute;
         link.joint.axis = [0.0, 0.0, 1.0];
         link.joint.origin.rotation = [[1.0, 0.0, 0.0], [0.0, cos, -sin], [0.0, sin, cos]];
         link
     });
-    let links: Vec<Link> = links.collect();
-    let frames = chain.frames().to_vec();
+    let links: Vec<MovingLink> = links.collect();
+    let frames = chain.links().to_vec();
     let model = Model::new("spiral", chain.gravity(), links, frames).expect("a good chain");
     let state = state(5, &model);
     let mut interpreter = Interpreter::new(model.clone());
@@ -557,5 +560,5 @@ fn long_chains_of_small_tilts_keep_their_digits() {
 fn wrenches(seed: u64, model: &Model) -> Vec<Wrench<f64>> {
     let mut random = Random::new(!seed);
     let mut vector = || Vector3(std::array::from_fn(|_| random.between(-5.0, 5.0)));
-    model.frames().iter().map(|_| Wrench { moment: vector(), force: vector() }).collect()
+    model.links().iter().map(|_| Wrench { moment: vector(), force: vector() }).collect()
 }

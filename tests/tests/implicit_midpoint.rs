@@ -39,7 +39,7 @@ fn derivatives(robot: &mut Interpreter, [q, qd, tau]: [&[f64]; 3], dt: f64) -> [
 /// Calls `f` with the joint type of each leading joint, and its first entries of q and qd.
 fn joints(model: &Model, mut f: impl FnMut(JointType, usize, usize)) {
     let (mut q, mut v) = (0, 0);
-    for joint in model.links().iter().map(|link| &link.joint).filter(|j| j.mimic.is_none()) {
+    for joint in model.moving_links().iter().map(|link| &link.joint).filter(|j| j.mimic.is_none()) {
         f(joint.joint_type, q, v);
         q += joint.joint_type.nq();
         v += joint.joint_type.nv();
@@ -164,8 +164,8 @@ fn error(model: &Model, [q, qd]: &[Vec<f64>; 2], [other_q, other_qd]: &[Vec<f64>
 fn steps_fulfil_the_equations_of_the_rule() {
     let (mut followers, mut types, mut driven, mut resisted) = (0, Vec::new(), 0, 0);
     for (seed, (model, State { q, qd, tau, .. })) in robots(30).enumerate() {
-        followers += model.links().iter().filter(|link| link.joint.mimic.is_some()).count();
-        types.extend(model.links().iter().map(|link| link.joint.joint_type.name()));
+        followers += model.moving_links().iter().filter(|link| link.joint.mimic.is_some()).count();
+        types.extend(model.moving_links().iter().map(|link| link.joint.joint_type.name()));
         let dofs = Mechanism::new(&model).dofs;
         driven += dofs.iter().filter(|dof| dof.armature.is_some()).count();
         resisted += dofs.iter().filter(|dof| dof.friction.is_some()).count();
@@ -346,11 +346,11 @@ fn energy_does_not_drift() {
 
 /// Returns the robot with dampers at all joints, without gravity.
 fn damped(model: &Model, damping: f64) -> Model {
-    let mut links = model.links().to_vec();
+    let mut links = model.moving_links().to_vec();
     for link in &mut links {
         link.joint.dynamics = JointDynamics { damping, ..link.joint.dynamics };
     }
-    Model::new(model.name(), [0.0; 3], links, model.frames().to_vec())
+    Model::new(model.name(), [0.0; 3], links, model.links().to_vec())
         .and_then(|model| model.with_joint_friction(JointFriction::Viscous))
         .unwrap_or_else(|errors| panic!("{errors:?}"))
 }

@@ -12,9 +12,9 @@ use modyn_runtime::equations::kinematics::Axes;
 use modyn_runtime::equations::{self, Forces, Motion, Workspace};
 use modyn_runtime::joint::JointType;
 use modyn_runtime::mechanism::Mechanism;
-use modyn_runtime::model::{DEFAULT_GRAVITY, Frame, Inertial, Joint, Link, Mimic, Model};
+use modyn_runtime::model::{DEFAULT_GRAVITY, Inertial, Joint, Link, Mimic, Model, MovingLink};
 use modyn_runtime::spatial::{Momentum, Pose, Twist, Vector3, Wrench};
-use modyn_runtime::{FrameError, Interpreter, ShapeError};
+use modyn_runtime::{Interpreter, LinkError, ShapeError};
 use modyn_tests::close::assert_close;
 use modyn_tests::counting::measure;
 use modyn_tests::golden::{self, FIXED_BASE, FLOATING_BASE, Golden};
@@ -73,18 +73,18 @@ fn by_hand(name: &str, joints: &[(JointType, Option<usize>)], mimics: &[(usize, 
         joint.second_axis = [-y, z, x];
         joint.mimic = mimics.iter().find(|(follower, _)| *follower == i).map(|(_, mimic)| *mimic);
         let (name, inertial) = (format!("link{i}"), inertial(random));
-        links.push(Link { name: name.clone(), parent, joint, inertial });
-        frames.push(Frame { name, link: Some(i), pose: Pose::identity(), inertial });
-        let frame = Frame {
+        links.push(MovingLink { name: name.clone(), parent, joint, inertial });
+        frames.push(Link { name, moving_link: Some(i), pose: Pose::identity(), inertial });
+        let frame = Link {
             name: format!("tool{i}"),
-            link: Some(i),
+            moving_link: Some(i),
             pose: pose(random),
             inertial: Inertial::default(),
         };
         frames.push(frame);
     }
     let (pose, inertial) = (pose(random), Inertial::default());
-    frames.push(Frame { name: "ground".into(), link: None, pose, inertial });
+    frames.push(Link { name: "ground".into(), moving_link: None, pose, inertial });
     Model::new(name, DEFAULT_GRAVITY, links, frames).unwrap_or_else(|e| panic!("{name}: {e:?}"))
 }
 
@@ -189,7 +189,7 @@ fn plus(a: &[f64], factor: f64, b: &[f64]) -> Vec<f64> {
 
 /// Returns the ranges of the quaternions in q.
 fn quaternions(model: &Model) -> Vec<std::ops::Range<usize>> {
-    let own = model.links().iter().enumerate();
+    let own = model.moving_links().iter().enumerate();
     let ranges = own.filter_map(|(i, link)| match link.joint.joint_type {
         JointType::Spherical | JointType::Floating => {
             let end = model.q_range(i).end;
@@ -204,7 +204,7 @@ fn quaternions(model: &Model) -> Vec<std::ops::Range<usize>> {
 /// the twist.
 fn moved(model: &Model, q: &[f64], time: f64, qd: &[f64]) -> Vec<f64> {
     let mut moved = q.to_vec();
-    for (i, link) in model.links().iter().enumerate() {
+    for (i, link) in model.moving_links().iter().enumerate() {
         if link.joint.mimic.is_some() {
             continue;
         }
@@ -301,7 +301,7 @@ fn poses_and_jacobians_of_other_software() {
             let q = state.q();
             for placement in state.frames() {
                 let link = &placement.name;
-                let frame = interpreter.model().frame_index(link).expect(link);
+                let frame = interpreter.model().link_index(link).expect(link);
                 let found = numbers(&interpreter.link_pose(&q, frame).expect(FINE));
                 let what = format!("{name} {link}");
                 assert_close(&what, &found, &placement.numbers, TOLERANCE);
@@ -331,7 +331,7 @@ fn one_links_pose_is_that_among_all() {
 fn velocities_are_the_poses_rates_and_the_jacobians_products() {
     everywhere(|interpreter, state| {
         let model = interpreter.model().clone();
-        for frame in 0..model.frames().len() {
+        for frame in 0..model.links().len() {
             let State { q, qd, .. } = state;
             let velocity = interpreter.link_velocity(q, qd, frame).expect(FINE);
             let pose = interpreter.link_pose(q, frame).expect(FINE);
@@ -358,7 +358,7 @@ fn velocities_are_the_poses_rates_and_the_jacobians_products() {
 fn accelerations_are_the_velocities_rates_and_the_jacobians_products() {
     everywhere(|interpreter, state| {
         let model = interpreter.model().clone();
-        for frame in 0..model.frames().len() {
+        for frame in 0..model.links().len() {
             let State { q, qd, qdd } = state;
             let acceleration = interpreter.link_acceleration(q, qd, qdd, frame).expect(FINE);
             let expected = derivative(|time| {
@@ -391,8 +391,8 @@ fn accelerations_are_the_velocities_rates_and_the_jacobians_products() {
 #[test]
 fn links_on_the_ground_do_not_move() {
     everywhere(|interpreter, State { q, qd, qdd }| {
-        let frames = interpreter.model().frames().to_vec();
-        let fixed = frames.iter().enumerate().filter(|(_, frame)| frame.link.is_none());
+        let frames = interpreter.model().links().to_vec();
+        let fixed = frames.iter().enumerate().filter(|(_, frame)| frame.moving_link.is_none());
         for (frame, expected) in fixed {
             assert_eq!(interpreter.link_pose(q, frame), Ok(expected.pose));
             let still = Ok(Twist::zero());
@@ -414,7 +414,7 @@ fn links_on_the_ground_do_not_move() {
 fn external_forces_act_through_the_jacobian() {
     everywhere(|interpreter, State { q, qd, qdd }| {
         let mechanism = Mechanism::new(interpreter.model());
-        let (frames, n) = (interpreter.model().frames().len(), interpreter.model().nv());
+        let (frames, n) = (interpreter.model().links().len(), interpreter.model().nv());
         let wrench = [0.3, -1.2, 0.7, 2.0, -0.4, 1.1];
         for frame in 0..frames {
             let mut forces = vec![Wrench::zero(); frames];
@@ -457,10 +457,10 @@ struct Summed {
 fn summed(interpreter: &mut Interpreter<f64>, q: &[f64], qd: &[f64]) -> Summed {
     let model = interpreter.model().clone();
     let mut parts = Vec::new();
-    for (i, link) in model.links().iter().enumerate() {
+    for (i, link) in model.moving_links().iter().enumerate() {
         // The frame of the link itself, which has the link's name.
-        let frame = model.frame_index(&link.name).expect("its own frame");
-        assert_eq!(model.frames()[frame].link, Some(i));
+        let frame = model.link_index(&link.name).expect("its own frame");
+        assert_eq!(model.links()[frame].moving_link, Some(i));
         let pose = interpreter.link_pose(q, frame).expect(FINE);
         let velocity = interpreter.link_velocity(q, qd, frame).expect(FINE);
         let arm = rotation(&pose) * nalgebra::Vector3::from(link.inertial.center_of_mass);
@@ -611,7 +611,8 @@ fn momentum_of_a_free_robot_changes_by_gravity_alone() {
 #[test]
 fn without_mass_there_is_no_center() {
     let joint = Joint::new("joint", JointType::Revolute, [0.0, 0.0, 1.0], Pose::identity());
-    let link = Link { name: "link".into(), parent: None, joint, inertial: Inertial::default() };
+    let link =
+        MovingLink { name: "link".into(), parent: None, joint, inertial: Inertial::default() };
     let model = Model::new("nothing", DEFAULT_GRAVITY, vec![link], Vec::new()).expect("a model");
     let mut interpreter = Interpreter::<f64>::new(model);
     let center = interpreter.center_of_mass(&[0.4]).expect(FINE);
@@ -623,8 +624,8 @@ fn without_mass_there_is_no_center() {
 #[test]
 fn a_link_that_is_not_there_is_an_error() {
     let mut interpreter = Interpreter::<f64>::new(tree(3, 4));
-    let (q, frames) = ([0.0; 4], interpreter.model().frames().len());
-    let missing = FrameError::NoFrame { frame: frames, count: frames };
+    let (q, frames) = ([0.0; 4], interpreter.model().links().len());
+    let missing = LinkError::NoLink { link: frames, count: frames };
     assert_eq!(interpreter.link_pose(&q, frames), Err(missing));
     assert_eq!(interpreter.link_velocity(&q, &q, frames), Err(missing));
     assert_eq!(interpreter.link_acceleration(&q, &q, &q, frames), Err(missing));
@@ -635,19 +636,19 @@ fn a_link_that_is_not_there_is_an_error() {
 
     let shape = ShapeError::new("columns", 4, 3);
     let found = interpreter.jacobian_local(&q, 0, &mut [Twist::zero(); 3]);
-    assert_eq!(found, Err(FrameError::Shape(shape)));
+    assert_eq!(found, Err(LinkError::Shape(shape)));
     assert_eq!(interpreter.center_of_mass_jacobian(&q, &mut [Vector3::zero(); 3]), Err(shape));
     assert_eq!(
-        interpreter.model().frame_index("link2").map(|i| &*interpreter.model().frames()[i].name),
+        interpreter.model().link_index("link2").map(|i| &*interpreter.model().links()[i].name),
         Some("link2")
     );
-    assert_eq!(interpreter.model().frame_index("nobody"), None);
+    assert_eq!(interpreter.model().link_index("nobody"), None);
 }
 
 #[test]
 fn calls_allocate_nothing() {
     everywhere(|interpreter, State { q, qd, qdd }| {
-        let (frames, n) = (interpreter.model().frames().len(), interpreter.model().nv());
+        let (frames, n) = (interpreter.model().links().len(), interpreter.model().nv());
         let (mut twists, mut vectors) = (vec![Twist::zero(); n], vec![Vector3::zero(); n]);
         let mut momenta = vec![Momentum::zero(); n];
         let (result, allocated) = measure(|| {
@@ -667,7 +668,7 @@ fn calls_allocate_nothing() {
             interpreter.centroidal_momentum_matrix(q, &mut momenta)?;
             interpreter.centroidal_momentum(q, qd)?;
             interpreter.centroidal_momentum_rate(Motion { q, qd, qdd })?;
-            Ok::<_, FrameError>(())
+            Ok::<_, LinkError>(())
         });
         assert_eq!((result, allocated.calls), (Ok(()), 0));
     });
@@ -678,12 +679,12 @@ fn calls_allocate_nothing() {
 #[test]
 fn a_link_depends_on_its_chain_alone() {
     let model = golden::model(&golden::urdf("solo12"));
-    let frame = model.frame_index("HR_FOOT").expect("a foot");
+    let frame = model.link_index("HR_FOOT").expect("a foot");
     let mut own = Vec::new();
-    let mut at = model.frames()[frame].link;
+    let mut at = model.links()[frame].moving_link;
     while let Some(i) = at {
         own.push(i);
-        at = model.links()[i].parent;
+        at = model.moving_links()[i].parent;
     }
     assert_eq!(own.len(), 3, "joints of a leg");
     let mut mechanism = Mechanism::new(&model);

@@ -53,7 +53,7 @@ impl Knot {
     fn moved(&self, model: &Model, blocks: usize, x: &[f64]) -> Vec<f64> {
         let mut moved = x.to_vec();
         let mut next = self.blocks[blocks].chunks(36);
-        for (i, link) in model.links().iter().enumerate() {
+        for (i, link) in model.moving_links().iter().enumerate() {
             let place = model.v_range(i);
             let block = match (place.len(), link.joint.joint_type.nq()) {
                 (6, 7) => 0,

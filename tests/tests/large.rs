@@ -2,7 +2,7 @@
 
 use modyn_runtime::Interpreter;
 use modyn_runtime::joint::JointType;
-use modyn_runtime::model::{Frame, Inertial, Joint, Link, Model};
+use modyn_runtime::model::{Inertial, Joint, Link, Model, MovingLink};
 use modyn_runtime::spatial::Pose;
 use modyn_tests::close::assert_close;
 use modyn_tests::counting::measure;
@@ -15,7 +15,7 @@ const LINKS: usize = 100_000;
 /// interpreter holds.
 fn run(links: usize) -> isize {
     let model = chain(1, links);
-    let frames = model.frames().len();
+    let frames = model.links().len();
     let State { q, qd, tau, .. } = state(1, &model);
     let (mut interpreter, allocated) = measure(|| Interpreter::<f64>::new(model));
     let rest = vec![0.0; links];
@@ -61,7 +61,7 @@ fn memory_is_linear_in_the_links() {
 
 /// Returns a row of links of 1 kg and 1 m along x, their centres of mass at mid-length, their hinges along y.
 fn row(links: usize) -> Model {
-    let link = |i: usize| Link {
+    let link = |i: usize| MovingLink {
         name: format!("link{i}"),
         parent: i.checked_sub(1),
         joint: Joint::new(
@@ -77,9 +77,9 @@ fn row(links: usize) -> Model {
         },
     };
     let tip = Pose { translation: [1.0, 0.0, 0.0], ..Pose::identity() };
-    let tip = Frame {
+    let tip = Link {
         name: "tip".into(),
-        link: Some(links - 1),
+        moving_link: Some(links - 1),
         pose: tip,
         inertial: Inertial::default(),
     };

@@ -126,7 +126,7 @@ fn in_tangents(settings: &Settings<f64>) -> Settings<Tangent<f64>> {
 /// anywhere: they do not coincide.
 fn constrained(model: &Model, kinds: &[LoopConstraintKind], random: &mut Random) -> Model {
     let end = |random: &mut Random| LoopConstraintEnd {
-        frame: random.below(model.frames().len()),
+        link: random.below(model.links().len()),
         pose: pose(random),
     };
     let mut robot = model.clone();

@@ -6,8 +6,8 @@ use modyn_runtime::model::ModelErrorKind::{
     NotFinite, Order, Parent, Rotation, SecondAxis,
 };
 use modyn_runtime::model::{
-    DEFAULT_GRAVITY, Frame, Inertial, InertialDefect, Joint, JointDynamics, JointFriction,
-    JointReference, Link, Mimic, Model, ModelErrorKind, ModuleError, ModuleTree, SoftConstraints,
+    DEFAULT_GRAVITY, Inertial, InertialDefect, Joint, JointDynamics, JointFriction, JointReference,
+    Link, Mimic, Model, ModelErrorKind, ModuleError, ModuleTree, MovingLink, SoftConstraints,
     Spring,
 };
 use modyn_runtime::spatial::Pose;
@@ -19,12 +19,12 @@ use proptest::prelude::*;
 #[derive(Clone)]
 struct Parts {
     gravity: [f64; 3],
-    links: Vec<Link>,
-    frames: Vec<Frame>,
+    links: Vec<MovingLink>,
+    frames: Vec<Link>,
 }
 
-fn link(name: &str, parent: Option<usize>) -> Link {
-    Link {
+fn link(name: &str, parent: Option<usize>) -> MovingLink {
+    MovingLink {
         name: name.into(),
         parent,
         joint: Joint::new(
@@ -47,9 +47,9 @@ fn link(name: &str, parent: Option<usize>) -> Link {
 /// ```
 fn parts() -> Parts {
     let links = vec![link("a", None), link("b", Some(0)), link("c", Some(1)), link("d", Some(1))];
-    let frame = |(name, link): (&str, _)| Frame {
+    let frame = |(name, link): (&str, _)| Link {
         name: name.into(),
-        link,
+        moving_link: link,
         pose: Pose::identity(),
         inertial: Inertial::default(),
     };
@@ -89,8 +89,8 @@ fn a_model_keeps_its_parts() {
         (model.name(), model.gravity(), model.nq(), model.nv()),
         ("robot", DEFAULT_GRAVITY, 4, 4)
     );
-    assert_eq!(model.links(), parts().links);
-    assert_eq!(model.frames(), parts().frames);
+    assert_eq!(model.moving_links(), parts().links);
+    assert_eq!(model.links(), parts().frames);
     assert_eq!(model.children(), [vec![1], vec![2, 3], vec![], vec![]]);
 }
 
@@ -118,7 +118,7 @@ fn duplicate_names() {
 fn parents() {
     assert_refused(|p| p.links[3].parent = Some(3), &[("d", Parent)]);
     assert_refused(|p| p.links[3].parent = Some(usize::MAX), &[("d", Parent)]);
-    assert_refused(|p| p.frames[0].link = Some(4), &[("base", Parent)]);
+    assert_refused(|p| p.frames[0].moving_link = Some(4), &[("base", Parent)]);
 }
 
 #[test]
@@ -375,7 +375,7 @@ fn all_defects_at_once() {
     let several = |p: &mut Parts| {
         p.links[0].joint.axis = [0.0; 3];
         p.links[1].inertial.mass = f64::NAN;
-        p.frames[0].link = Some(9);
+        p.frames[0].moving_link = Some(9);
     };
     assert_refused(several, &[("a_joint", Axis), ("b", NotFinite), ("base", Parent)]);
 }
@@ -463,8 +463,8 @@ fn modules_that_are_no_chain() {
 #[test]
 fn a_broken_model_is_not_deserialized() {
     let mut json = serde_json::to_value(model()).expect("plain data");
-    json["links"][1]["joint"]["axis"] = serde_json::json!([0.0, 0.0, 0.0]);
-    json["frames"][0]["link"] = serde_json::json!(9);
+    json["moving_links"][1]["joint"]["axis"] = serde_json::json!([0.0, 0.0, 0.0]);
+    json["links"][0]["moving_link"] = serde_json::json!(9);
     let error = serde_json::from_value::<Model>(json).expect_err("no axis").to_string();
     assert!(
         error.contains("`b_joint` has an axis") && error.contains("`base` has a parent"),
@@ -506,18 +506,18 @@ proptest! {
             for (m, module) in tree.modules().iter().enumerate() {
                 prop_assert_eq!(module.links.start, next);
                 next = module.links.end;
-                let leaves = model.links()[module.links.start].parent;
+                let leaves = model.moving_links()[module.links.start].parent;
                 let parent = module.parent.map(|p| &tree.modules()[p]);
                 prop_assert_eq!(leaves, parent.map(|parent| parent.links.end - 1));
                 prop_assert!(parent.is_none_or(|parent| parent.children.contains(&m)));
                 for i in module.links.clone().skip(1) {
-                    prop_assert_eq!(model.links()[i].parent, Some(i - 1));
+                    prop_assert_eq!(model.moving_links()[i].parent, Some(i - 1));
                 }
             }
-            prop_assert_eq!(next, model.links().len());
+            prop_assert_eq!(next, model.moving_links().len());
             // The names of a tree's modules give the same tree again.
             let names: Vec<Vec<&str>> = tree.modules().iter().rev()
-                .map(|m| m.links.clone().map(|i| model.links()[i].name.as_str()).collect())
+                .map(|m| m.links.clone().map(|i| model.moving_links()[i].name.as_str()).collect())
                 .collect();
             prop_assert_eq!(ModuleTree::from_names(&model, &names), Ok(tree));
         }

@@ -65,7 +65,7 @@ fn touching(seed: u64) -> Model {
     let contact = |(frame, kind)| Contact {
         name: format!("contact{frame}"),
         kind,
-        end: LoopConstraintEnd { frame, pose: Pose::identity() },
+        end: LoopConstraintEnd { link: frame, pose: Pose::identity() },
     };
     let kinds = [(1, ContactKind::Point), (2, ContactKind::Surface)];
     model.with_contacts(kinds.map(contact).to_vec()).expect("two links")

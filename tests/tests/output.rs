@@ -47,7 +47,7 @@ fn plain() -> &'static [(PathBuf, String, Findings)] {
 fn complete(path: &Path, most: usize) -> Option<Generated> {
     let plain = Builder::new().urdf(path).runtime_gravity();
     let model = compiled(path).model;
-    let last = model.frames().iter().rev().find(|frame| frame.link.is_some())?;
+    let last = model.links().iter().rev().find(|link| link.moving_link.is_some())?;
     let builder =
         plain.runtime_inertia([&last.name]).payload([&last.name]).functions(Spec::all_functions());
     (model.nv() <= most).then(|| builder.generate().expect("a good robot"))

@@ -3,7 +3,7 @@
 use modyn_runtime::equations::identification::BaseParameters;
 use modyn_runtime::joint::JointType;
 use modyn_runtime::model::{
-    DEFAULT_GRAVITY, Inertial, Joint, JointDynamics, JointFriction, Link, Mimic, Model,
+    DEFAULT_GRAVITY, Inertial, Joint, JointDynamics, JointFriction, Mimic, Model, MovingLink,
 };
 use modyn_runtime::spatial::Pose;
 use modyn_runtime::{Interpreter, ShapeError};
@@ -31,14 +31,16 @@ fn state(robot: &Interpreter<f64>, seed: u64) -> [Vec<f64>; 3] {
 }
 
 fn regressor(robot: &mut Interpreter<f64>, [q, qd, qdd]: &[Vec<f64>; 3]) -> DMatrix<f64> {
-    let (rows, count) = (qd.len(), 10 * robot.model().links().len());
+    let (rows, count) = (qd.len(), 10 * robot.model().moving_links().len());
     let mut columns = vec![0.0; rows * count];
     robot.regressor(q, qd, qdd, &mut columns).expect(LENGTHS);
     DMatrix::from_vec(rows, count, columns)
 }
 
 fn parameters(model: &Model) -> DVector<f64> {
-    let all = (0..model.links().len()).filter_map(|link| model.inertial_parameters(link)).flatten();
+    let all = (0..model.moving_links().len())
+        .filter_map(|link| model.inertial_parameters(link))
+        .flatten();
     DVector::from_vec(all.collect())
 }
 
@@ -54,7 +56,7 @@ fn robots() -> Vec<Model> {
 fn varied(seed: u64, links: usize) -> Model {
     let mut random = Random::new(seed);
     let model = mixed_tree(seed, links);
-    let mut links = model.links().to_vec();
+    let mut links = model.moving_links().to_vec();
     let mut leaders: Vec<usize> = Vec::new();
     for (i, link) in links.iter_mut().enumerate() {
         let joint = &mut link.joint;
@@ -80,7 +82,7 @@ fn varied(seed: u64, links: usize) -> Model {
             }
         }
     }
-    Model::new("varied", model.gravity(), links, model.frames().to_vec())
+    Model::new("varied", model.gravity(), links, model.links().to_vec())
         .unwrap_or_else(|errors| panic!("seed {seed}: {errors:?}"))
 }
 
@@ -88,7 +90,7 @@ fn varied(seed: u64, links: usize) -> Model {
 fn single(joint_type: JointType, axis: [f64; 3]) -> Model {
     let joint = Joint::new("joint", joint_type, axis, Pose::identity());
     let inertial = Inertial { mass: 1.0, center_of_mass: [0.1, 0.2, 0.3], inertia: [0.0; 6] };
-    let links = vec![Link { name: "link".into(), parent: None, joint, inertial }];
+    let links = vec![MovingLink { name: "link".into(), parent: None, joint, inertial }];
     Model::new("single", DEFAULT_GRAVITY, links, vec![]).expect("a valid model")
 }
 
@@ -116,7 +118,7 @@ fn torques_are_linear_in_the_inertias() {
 fn joint_dynamics_are_not_in_the_regressor() {
     let model = tree(5, 6);
     let dynamics = JointDynamics { armature: 0.3, damping: 0.7, friction: 0.0 };
-    let mut links = model.links().to_vec();
+    let mut links = model.moving_links().to_vec();
     links.iter_mut().for_each(|link| link.joint.dynamics = dynamics);
     let model = Model::new("driven", model.gravity(), links, vec![]).expect("a valid model");
     let mut robot =
@@ -130,7 +132,7 @@ fn joint_dynamics_are_not_in_the_regressor() {
 
 /// Returns the regressors at many states, one below the other, with columns of length 1 (or 0).
 fn stacked(robot: &mut Interpreter<f64>, seed: u64) -> DMatrix<f64> {
-    let columns = 10 * robot.model().links().len();
+    let columns = 10 * robot.model().moving_links().len();
     let states = (3 * columns / robot.model().nv()).max(30) as u64;
     let blocks: Vec<DMatrix<f64>> = (0..states)
         .map(|k| {
@@ -155,7 +157,7 @@ fn rank(matrix: &DMatrix<f64>) -> usize {
 }
 
 fn base_parameters_are_a_basis(model: Model, seed: u64) {
-    let what = format!("{}, {} links, seed {seed}", model.name(), model.links().len());
+    let what = format!("{}, {} links, seed {seed}", model.name(), model.moving_links().len());
     let base = BaseParameters::new(&model);
     let mut robot = Interpreter::new(model);
     let all = stacked(&mut robot, seed);

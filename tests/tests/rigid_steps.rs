@@ -65,14 +65,14 @@ impl Legged {
         let options = ReadOptions { base: Base::Floating, ..ReadOptions::default() };
         let model = read(&text, name, &options).expect("good").model;
         let contacts = points.iter().enumerate().map(|(k, &(link, translation))| {
-            let frame = model.frames().iter().position(|frame| frame.name == link);
+            let frame = model.links().iter().position(|frame| frame.name == link);
             let pose = Pose { translation, ..Pose::identity() };
-            let end = LoopConstraintEnd { frame: frame.expect("a link"), pose };
+            let end = LoopConstraintEnd { link: frame.expect("a link"), pose };
             Contact { name: format!("point {k}"), kind: ContactKind::Point, end }
         });
         let contacts = contacts.collect();
         let model = model.with_contacts(contacts).expect("contacts");
-        let bends = model.links().iter().skip(1).map(|link| bend(&link.joint.name));
+        let bends = model.moving_links().iter().skip(1).map(|link| bend(&link.joint.name));
         let base = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0];
         let posture = base.into_iter().chain(bends).collect();
         Self { model, posture }
@@ -117,8 +117,8 @@ impl Legged {
         let mut frame = usize::MAX;
         for (contact, surface) in self.model.contacts().iter().zip(&mut settings.surfaces) {
             let end = &contact.end;
-            if frame != end.frame {
-                frame = end.frame;
+            if frame != end.link {
+                frame = end.link;
                 let [x, y] = [0; 2].map(|_| random.between(-0.1, 0.1));
                 let z = Vector3([x, y, 1.0]).scale((1.0 + x * x + y * y).sqrt().recip());
                 let side =
@@ -139,7 +139,7 @@ impl Legged {
 
 /// Returns the position of a point in the world, and relative to its link's origin.
 fn place(robot: &Interpreter<f64>, q: &[f64], end: &LoopConstraintEnd) -> [Vector3<f64>; 2] {
-    let pose = robot.link_pose(q, end.frame).expect("a link");
+    let pose = robot.link_pose(q, end.link).expect("a link");
     let lever = Matrix3(pose.rotation).mul_vector(Vector3(end.pose.translation));
     [Vector3(pose.translation) + lever, lever]
 }
@@ -189,7 +189,7 @@ impl Distance {
             // The contact is half way between the point and the plane.
             let lever = lever - axes.column(2).scale(gap / 2.0);
             let mut columns = vec![Twist::zero(); qd.len()];
-            robot.jacobian(&start.q, end.frame, &mut columns).expect("a link");
+            robot.jacobian(&start.q, end.link, &mut columns).expect("a link");
             let velocity = columns.iter().zip(&qd).fold(Vector3::zero(), |sum, (column, &rate)| {
                 sum + (column.linear + column.angular.cross(lever)).scale(rate)
             });

@@ -4,7 +4,8 @@ use modyn_runtime::Interpreter;
 use modyn_runtime::equations::identification::BaseParameters;
 use modyn_runtime::joint::JointType;
 use modyn_runtime::model::{
-    Frame, INERTIAL_PARAMETERS, Inertial, Joint, Limits, Link, Mimic, Model, PARAMETERS_PER_LINK,
+    INERTIAL_PARAMETERS, Inertial, Joint, Limits, Link, Mimic, Model, MovingLink,
+    PARAMETERS_PER_LINK,
 };
 use modyn_runtime::spatial::Pose;
 use modyn_tests::changed::scaled;
@@ -15,10 +16,10 @@ use modyn_tests::random::{Random, general_tree, tree};
 use nalgebra::DMatrix;
 
 /// Returns the frame of each link.
-fn frames(links: &[Link]) -> Vec<Frame> {
-    let frame = |(i, link): (usize, &Link)| Frame {
+fn frames(links: &[MovingLink]) -> Vec<Link> {
+    let frame = |(i, link): (usize, &MovingLink)| Link {
         name: link.name.clone(),
-        link: Some(i),
+        moving_link: Some(i),
         pose: Pose::identity(),
         inertial: link.inertial,
     };
@@ -29,7 +30,7 @@ fn frames(links: &[Link]) -> Vec<Frame> {
 /// between `tilt / 10` and `tilt`; the lengths of link i are multiplied by the entry i of `sizes`.
 fn nearly_parallel(seed: u64, tilt: f64, sizes: &[f64]) -> Model {
     let mut random = Random::new(seed);
-    let mut links: Vec<Link> = Vec::new();
+    let mut links: Vec<MovingLink> = Vec::new();
     for (i, &size) in sizes.iter().enumerate() {
         let before = if i == 0 { size } else { sizes[i - 1] };
         let [x, y] = [0, 1].map(|_| random.between(0.1, 1.0) * tilt);
@@ -44,7 +45,12 @@ fn nearly_parallel(seed: u64, tilt: f64, sizes: &[f64]) -> Model {
             inertia: inertia.map(|x| size * size * x),
         };
         let joint = Joint::new(format!("joint{i}"), JointType::Revolute, axis, origin);
-        links.push(Link { name: format!("link{i}"), parent: i.checked_sub(1), joint, inertial });
+        links.push(MovingLink {
+            name: format!("link{i}"),
+            parent: i.checked_sub(1),
+            joint,
+            inertial,
+        });
     }
     let frames = frames(&links);
     Model::new("nearly_parallel", [0.0, 0.0, -9.81], links, frames).expect("sound parts")
@@ -61,7 +67,7 @@ fn error(model: &Model, q: &[f64]) -> f64 {
     let entry = |i: usize, j: usize| (found[(i, j)] - expected[(i, j)]).abs() / scale(i) / scale(j);
     let n = model.nv();
     let entries = (0..n * n).map(|k| entry(k / n, k % n)).fold(0.0, f64::max);
-    let mut poses = vec![Pose::identity(); model.frames().len()];
+    let mut poses = vec![Pose::identity(); model.links().len()];
     interpreter.link_poses(q, &mut poses).expect("fits");
     let places: Vec<_> = naive.poses().iter().map(|pose| pose.translation).collect();
     let longest = places.iter().flatten().fold(f64::MIN_POSITIVE, |most, x| most.max(x.abs()));
@@ -101,7 +107,7 @@ fn scaled_robots_have_the_same_digits() {
     for seed in 0..40 {
         let model = if seed % 2 == 0 { tree(seed, 8) } else { general_tree(seed, 8) };
         let slides: Vec<bool> = model
-            .links()
+            .moving_links()
             .iter()
             .map(|link| link.joint.joint_type == JointType::Prismatic)
             .collect();
@@ -134,7 +140,8 @@ fn base_parameters_of_scaled_robots_are_the_same() {
     };
     for seed in 0..6 {
         let model = general_tree(seed, 4);
-        let model = Model::new("still", [0.0; 3], model.links().to_vec(), model.frames().to_vec());
+        let model =
+            Model::new("still", [0.0; 3], model.moving_links().to_vec(), model.links().to_vec());
         let model = model.expect("sound parts");
         let expected = BaseParameters::new(&model);
         for scale in [1e-6, 1e-3, 1e3, 1e6] {
@@ -177,7 +184,7 @@ fn ranges_of_small_mimic_joints_are_kept() {
         let mimic = Mimic { leader: 0, multiplier: 1.0, offset: 0.0 };
         let joints =
             [joint("leader", 2e-3), Joint { mimic: Some(mimic), ..joint("follower", 0.5e-3) }];
-        let links = joints.map(|joint| Link {
+        let links = joints.map(|joint| MovingLink {
             name: joint.name.clone(),
             parent: None,
             joint,

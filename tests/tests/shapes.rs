@@ -1,7 +1,7 @@
 //! A wrong length is an error that names the argument, never a panic.
 
 use modyn_runtime::joint::JointType;
-use modyn_runtime::model::{Joint, Link, Model, ModuleTree};
+use modyn_runtime::model::{Joint, Model, ModuleTree, MovingLink};
 use modyn_runtime::spatial::Pose;
 use modyn_runtime::{Interpreter, ModuleMismatch, ShapeError, UpdateError};
 use modyn_tests::random::{Random, tree};
@@ -51,7 +51,7 @@ fn vectors() {
         assert_shape(r.potential_energy(bad), "q", LINKS, found);
         assert_shape(r.brge(bad), "q", LINKS, found);
         assert_shape(r.denoc(bad), "q", LINKS, found);
-        let mut poses = vec![Pose::identity(); r.model().frames().len()];
+        let mut poses = vec![Pose::identity(); r.model().links().len()];
         assert_shape(r.link_poses(bad, &mut poses), "q", LINKS, found);
         assert_eq!(out, GOOD, "nothing was written");
     }
@@ -67,7 +67,7 @@ fn results() {
         assert_shape(r.bias_forces(&GOOD, &GOOD, &mut bad), "tau", LINKS, found);
         assert_shape(r.gravity_torques(&GOOD, &mut bad), "tau", LINKS, found);
         assert_shape(r.mass_matrix(&GOOD, &mut bad), "columns", LINKS * LINKS, found);
-        let frames = r.model().frames().len();
+        let frames = r.model().links().len();
         let mut poses = vec![Pose::identity(); frames + 1 + found];
         assert_shape(r.link_poses(&GOOD, &mut poses), "poses", frames, frames + 1 + found);
     }
@@ -138,8 +138,8 @@ fn factorizations_of_other_joints_are_refused() {
 }
 
 /// Returns `model` with the mass of each link multiplied by a factor.
-fn changed_mass(model: &Model, times: f64) -> Vec<Link> {
-    let mut links = model.links().to_vec();
+fn changed_mass(model: &Model, times: f64) -> Vec<MovingLink> {
+    let mut links = model.moving_links().to_vec();
     links.iter_mut().for_each(|link| link.inertial.mass *= times);
     links
 }
@@ -150,7 +150,12 @@ fn chain(types: &[JointType]) -> Model {
     let link = |(i, joint_type): (usize, &JointType)| {
         let origin = Pose { translation: [0.1, -0.2, 0.3], ..Pose::identity() };
         let joint = Joint::new(format!("j{i}"), *joint_type, [0.6, 0.0, -0.8], origin);
-        Link { name: format!("l{i}"), parent: i.checked_sub(1), joint, inertial: random.inertial() }
+        MovingLink {
+            name: format!("l{i}"),
+            parent: i.checked_sub(1),
+            joint,
+            inertial: random.inertial(),
+        }
     };
     let links = types.iter().enumerate().map(link).collect();
     Model::new("chain", [0.0; 3], links, Vec::new()).expect("sound parts")

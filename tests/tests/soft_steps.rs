@@ -52,7 +52,7 @@ fn robot(file: &Value) -> Model {
     let options = ReadOptions { base: Base::Floating, ..ReadOptions::default() };
     let model = read(&description, name, &options).expect("good").model;
     let damping = numbers(&file["damping"]);
-    let mut links = model.links().to_vec();
+    let mut links = model.moving_links().to_vec();
     for (link, damping) in links.iter_mut().skip(1).zip(damping) {
         link.joint.dynamics = JointDynamics { damping, ..link.joint.dynamics };
     }
@@ -60,13 +60,13 @@ fn robot(file: &Value) -> Model {
     assert_eq!(names, list(&file["joints"]).iter().map(text).collect::<Vec<_>>());
     let contacts = list(&file["contacts"]).iter().map(|contact| {
         let link = text(&contact["link"]);
-        let frame = model.frames().iter().position(|frame| frame.name == link);
+        let frame = model.links().iter().position(|frame| frame.name == link);
         let position = <[f64; 3]>::try_from(numbers(&contact["position"])).expect("three");
         let pose = Pose { translation: position, ..Pose::identity() };
-        let end = LoopConstraintEnd { frame: frame.expect("a link"), pose };
+        let end = LoopConstraintEnd { link: frame.expect("a link"), pose };
         Contact { name: text(&contact["name"]).into(), kind: ContactKind::Point, end }
     });
-    Model::new(name, [0.0, 0.0, -9.81], links, model.frames().to_vec())
+    Model::new(name, [0.0, 0.0, -9.81], links, model.links().to_vec())
         .and_then(|model| model.with_joint_friction(JointFriction::Viscous))
         .and_then(|model| model.with_contacts(contacts.collect()))
         .expect("a robot")
@@ -208,11 +208,12 @@ fn mobilities_are_those_of_mujoco() {
 /// Returns a random mechanism of many joint types, some of them mimic joints, with up to four contacts.
 fn touching(seed: u64) -> Model {
     let model = general_zoo(seed, 1 + seed as usize % 4);
-    let moving = (0..model.frames().len()).filter(|&frame| model.frames()[frame].link.is_some());
+    let moving =
+        (0..model.links().len()).filter(|&frame| model.links()[frame].moving_link.is_some());
     let contact = |frame| Contact {
         name: format!("contact{frame}"),
         kind: ContactKind::Point,
-        end: LoopConstraintEnd { frame, pose: Pose::identity() },
+        end: LoopConstraintEnd { link: frame, pose: Pose::identity() },
     };
     let contacts = moving.take(4).map(contact).collect();
     model.with_contacts(contacts).expect("links that move")
@@ -347,7 +348,8 @@ fn random_shape(kind: usize, points: usize, random: &mut Random) -> ContactShape
 /// Returns a random mechanism with shapes of all kinds, cones of both kinds, and contacts of all components.
 fn shaped(seed: u64) -> Model {
     let model = general_zoo(seed, 1 + seed as usize % 4);
-    let moving = (0..model.frames().len()).filter(|&frame| model.frames()[frame].link.is_some());
+    let moving =
+        (0..model.links().len()).filter(|&frame| model.links()[frame].moving_link.is_some());
     let mut random = Random::new(seed);
     let shapes = moving.take(4).enumerate().map(|(k, frame)| {
         let shape = random_shape(seed as usize + k, 5, &mut random);
@@ -355,7 +357,7 @@ fn shaped(seed: u64) -> Model {
         TouchingShape {
             name: format!("shape{frame}"),
             end: LoopConstraintEnd {
-                frame,
+                link: frame,
                 pose: Pose { rotation: random.any_rotation(), translation },
             },
             shape,
@@ -399,7 +401,7 @@ fn forces_and_accelerations_are_in_equilibrium() {
                 let surface = ContactSurface::from_numbers(*surface);
                 let axes = Matrix3(surface.plane.rotation);
                 let normal = axes.column(2);
-                let pose = robot.link_pose(q, contact.end.frame).expect("a link");
+                let pose = robot.link_pose(q, contact.end.link).expect("a link");
                 let height = Vector3(pose.translation) - Vector3(surface.plane.translation);
                 let gap = normal.dot(height) - surface.radius;
                 let [x, y, push] = *force;
@@ -414,7 +416,7 @@ fn forces_and_accelerations_are_in_equilibrium() {
                 let lever = normal.scale(-(surface.radius + 0.5 * gap));
                 let force = axes.mul_vector(Vector3(*force));
                 let mut columns = vec![Twist::zero(); nv];
-                robot.jacobian(q, contact.end.frame, &mut columns).expect("lengths");
+                robot.jacobian(q, contact.end.link, &mut columns).expect("lengths");
                 for (applied, column) in applied.iter_mut().zip(&columns) {
                     *applied += column.linear.dot(force) + column.angular.dot(lever.cross(force));
                 }
@@ -443,7 +445,7 @@ fn floating_joints_beyond_the_base_keep_their_velocity() {
     let model = read(urdf, "flight.urdf", &options).expect("good").model;
     let model = model.with_gravity([0.0; 3]).expect("none");
     let mut robot = Interpreter::<f64>::new(model.clone());
-    let body = model.frame_index("body").expect("a link");
+    let body = model.link_index("body").expect("a link");
     let mut state =
         [vec![0.3, 1.0, 2.0, 3.0, 0.0, 0.0, 0.0, 1.0], vec![0.0, 1.0, -2.0, 0.5, 0.7, -0.4, 1.1]];
     let velocity = |robot: &mut Interpreter<f64>, state: &[Vec<f64>; 2]| {
@@ -585,7 +587,7 @@ fn shapes_on_vectors_compute_the_steps_of_the_interpreter() {
             let pose = Pose { rotation: random.any_rotation(), translation: [0.0; 3] };
             TouchingShape {
                 name,
-                end: LoopConstraintEnd { frame, pose },
+                end: LoopConstraintEnd { link: frame, pose },
                 shape,
                 components: [1, 3, 4, 6]
                     .map(|n| ContactComponents::from_count(n).expect("a number of MuJoCo's"))
@@ -596,7 +598,7 @@ fn shapes_on_vectors_compute_the_steps_of_the_interpreter() {
         };
         let ends = list(&file["contacts"]).iter().map(|contact| text(&contact["link"]));
         let mut frames: Vec<usize> =
-            ends.map(|link| bare.frame_index(link).expect("a link")).collect();
+            ends.map(|link| bare.link_index(link).expect("a link")).collect();
         frames.dedup();
         let mut shapes: Vec<TouchingShape> =
             frames.iter().map(|&frame| shape(format!("shape{frame}"), frame)).collect();
@@ -610,7 +612,7 @@ fn shapes_on_vectors_compute_the_steps_of_the_interpreter() {
         let soft = SoftConstraints {
             cone: if kind % 2 == 0 { Cone::Elliptic } else { Cone::Pyramidal },
             shapes,
-            joints: (1..bare.links().len()).map(soften).collect(),
+            joints: (1..bare.moving_links().len()).map(soften).collect(),
             ..SoftConstraints::default()
         };
         let model = bare.with_soft_constraints(soft).expect("links that move");

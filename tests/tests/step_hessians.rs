@@ -124,7 +124,7 @@ fn small_difference(model: &Model, from: &[Number], to: &[Number]) -> Vec<Number
 /// Calls `f` with the joint type of each leading joint, and its first entries of q and qd.
 fn joints(model: &Model, mut f: impl FnMut(JointType, usize, usize)) {
     let (mut q, mut v) = (0, 0);
-    for joint in model.links().iter().map(|link| &link.joint).filter(|j| j.mimic.is_none()) {
+    for joint in model.moving_links().iter().map(|link| &link.joint).filter(|j| j.mimic.is_none()) {
         f(joint.joint_type, q, v);
         q += joint.joint_type.nq();
         v += joint.joint_type.nv();

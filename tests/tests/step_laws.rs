@@ -37,11 +37,11 @@ fn floating() -> Vec<Floating> {
         Floating { model, states: list(&file["states"]).iter().map(state).collect() }
     });
     let is_free = |Floating { model, .. }: &Floating| {
-        let roots = model.links().iter().filter(|link| link.parent.is_none());
+        let roots = model.moving_links().iter().filter(|link| link.parent.is_none());
         let all = roots.map(|link| link.joint.joint_type).collect::<Vec<_>>();
         let loops = model.loop_constraints().iter().flat_map(|one| &one.ends);
-        let holds = |frame: usize| model.frames()[frame].link.is_some();
-        all == [JointType::Floating] && loops.into_iter().all(|end| holds(end.frame))
+        let holds = |frame: usize| model.links()[frame].moving_link.is_some();
+        all == [JointType::Floating] && loops.into_iter().all(|end| holds(end.link))
     };
     let robots: Vec<Floating> = robots.filter(is_free).collect();
     assert!(robots.len() > 40, "{}", robots.len());
@@ -83,7 +83,7 @@ fn step(
 }
 
 fn mass(model: &Model) -> f64 {
-    model.links().iter().map(|link| link.inertial.mass).sum()
+    model.moving_links().iter().map(|link| link.inertial.mass).sum()
 }
 
 /// The rate of the momentum about the centre of mass is the wrench of gravity and of the contacts: joint

@@ -48,7 +48,7 @@ impl UserFunction<8> for Terms {
         robot: &mut Interpreter<S>,
         [q, target, qd, qdd, reference, force, weight, other]: [&[S]; 8],
     ) -> Result<Vec<S>, UserError> {
-        let link = robot.model().frames().len() - 1;
+        let link = robot.model().links().len() - 1;
         let n = robot.model().nv();
         let dot = |a: &[S], b: &[S]| a.iter().zip(b).fold(S::zero(), |sum, (&a, &b)| sum + a * b);
         let pose = robot.link_pose(q, link)?;

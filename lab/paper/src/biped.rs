@@ -85,8 +85,8 @@ impl Walk {
         const TOE: f64 = 0.075;
         let model = robots::biped();
         let mut interpreter = Interpreter::<f64>::new(model.clone());
-        let mut poses = vec![Pose::identity(); model.frames().len()];
-        let index = |name: &str| model.frame_index(name).expect("a link");
+        let mut poses = vec![Pose::identity(); model.links().len()];
+        let index = |name: &str| model.link_index(name).expect("a link");
         // Feet from heel to toe; legs; the trunk from hip to hip and upwards.
         let points = [
             ("stance_foot", [-TOE, 0.0, 0.0]),
@@ -138,7 +138,7 @@ pub fn report(report: &mut Report) -> Result<(), Failure> {
          the thigh for the stance hip, x-y-z of the thigh relative to the trunk for the swing hip.",
     );
     let model = robots::biped();
-    let rows = model.links().iter().map(|link| {
+    let rows = model.moving_links().iter().map(|link| {
         let Inertial { mass, center_of_mass: [_, _, height], inertia: [xx, _, _, yy, _, zz] } =
             link.inertial;
         let numbers = [mass, height, xx, yy, zz].map(|x| x.to_string());

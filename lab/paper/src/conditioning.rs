@@ -62,7 +62,7 @@ pub fn report(report: &mut Report) -> Result<(), Failure> {
     let times = instants(1.0, 101);
     let step: Vec<Vec<f64>> = times.iter().map(|&t| gait::desired(t).q.to_vec()).collect();
     let (biped, arm) = (robots::biped(), robots::arm7());
-    let name = |i: usize| arm.links()[i].name.as_str();
+    let name = |i: usize| arm.moving_links()[i].name.as_str();
     let halves: Vec<Vec<&str>> = [0..3, 3..7].into_iter().map(|r| r.map(name).collect()).collect();
     let halves = ModuleTree::from_names(&arm, &halves).expect("links of the arm");
     let cases = [

@@ -28,7 +28,7 @@ pub struct Fall {
 
 impl Fall {
     fn new(model: Model, modules: ModuleTree, start: State) -> Self {
-        let mass = model.links().iter().map(|link| link.inertial.mass).sum();
+        let mass = model.moving_links().iter().map(|link| link.inertial.mass).sum();
         Self { model, modules, start, mass }
     }
 

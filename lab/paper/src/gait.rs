@@ -211,11 +211,11 @@ mod tests {
     fn legs_reach_their_feet() {
         let model = robots::biped();
         let mut interpreter = Interpreter::<f64>::new(model.clone());
-        let mut poses = vec![Pose::identity(); model.frames().len()];
+        let mut poses = vec![Pose::identity(); model.links().len()];
         for k in 0..=20 {
             let t = DURATION * f64::from(k) / 20.0;
             interpreter.link_poses(&desired(t).q, &mut poses).expect("lengths");
-            let pose = |name: &str| poses[model.frame_index(name).expect("a link")];
+            let pose = |name: &str| poses[model.link_index(name).expect("a link")];
             let (trunk_pose, foot) = (pose("trunk"), pose("swing_foot"));
             // The trunk's frame is at the stance hip.
             let [x, y, z] = trunk(t).map(|x| x.re);

@@ -59,7 +59,7 @@ pub fn report(report: &mut Report) {
     let found = gripper();
     report.heading("The gripper: Tables 2 and 3, (A.19)-(A.22)");
     let model = robots::gripper();
-    let rows = model.links().iter().zip(["1^1", "1^2", "2^2", "1^3"]).map(|(link, name)| {
+    let rows = model.moving_links().iter().zip(["1^1", "1^2", "2^2", "1^3"]).map(|(link, name)| {
         let length = 2.0 * link.inertial.center_of_mass[0];
         let across = format!("{:.4e}", link.inertial.inertia[5]);
         vec![name.into(), fixed(length, 2), fixed(link.inertial.mass, 1), across]

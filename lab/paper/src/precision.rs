@@ -176,7 +176,7 @@ pub fn against_length<S: Number>(lengths: &[usize], adjust: fn(Subject) -> Subje
 /// Returns the median errors by the length of the modules of a chain.
 #[must_use]
 pub fn against_pieces<S: Number>(subject: &Subject) -> Line {
-    let longest = subject.model.links().len();
+    let longest = subject.model.moving_links().len();
     let points = (1..=longest).map(|length| {
         let solver = Solver::Modules(robots::pieces(&subject.model, length));
         (length as f64, median(errors::<S>(subject, &solver)))
@@ -192,7 +192,8 @@ pub fn against_pieces<S: Number>(subject: &Subject) -> Line {
 /// If the robot branches.
 #[must_use]
 pub fn by_cuts<S: Number>(subject: &Subject) -> Vec<(Vec<usize>, f64)> {
-    let links: Vec<&str> = subject.model.links().iter().map(|link| link.name.as_str()).collect();
+    let links: Vec<&str> =
+        subject.model.moving_links().iter().map(|link| link.name.as_str()).collect();
     let mut cuts: Vec<(Vec<usize>, f64)> = (0..1_usize << (links.len() - 1))
         .map(|cut| {
             // Bit k: whether a module ends after link k.

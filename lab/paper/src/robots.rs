@@ -1,7 +1,7 @@
 //! The robots of the studies: robots of `robots/`, and chains and trees of any size.
 
 use modyn_runtime::joint::JointType;
-use modyn_runtime::model::{Frame, Inertial, Joint, Link, Model, ModuleTree};
+use modyn_runtime::model::{Inertial, Joint, Link, Model, ModuleTree, MovingLink};
 use modyn_runtime::spatial::Pose;
 
 /// Returns the paper's gripper.
@@ -106,8 +106,8 @@ pub fn tree(links: usize, parent: impl Fn(usize) -> Option<usize>) -> Model {
             let joint = Joint::new(name, JointType::Revolute, [0.0, 0.0, 1.0], origin);
             let name = format!("link{i}");
             let frame =
-                Frame { name: name.clone(), link: Some(i), pose: Pose::identity(), inertial };
-            (Link { name, parent: parent(i), joint, inertial }, frame)
+                Link { name: name.clone(), moving_link: Some(i), pose: Pose::identity(), inertial };
+            (MovingLink { name, parent: parent(i), joint, inertial }, frame)
         })
         .unzip();
     Model::new("tree", modyn_runtime::model::DEFAULT_GRAVITY, links, frames)
@@ -126,10 +126,10 @@ pub fn in_mass_unit(model: &Model, factor: f64) -> Model {
         center_of_mass: inertial.center_of_mass,
         inertia: inertial.inertia.map(|x| x * factor),
     };
-    let links = model.links().iter().cloned();
-    let links = links.map(|link| Link { inertial: scaled(&link.inertial), ..link }).collect();
-    let frames = model.frames().iter().cloned();
-    let frames = frames.map(|frame| Frame { inertial: scaled(&frame.inertial), ..frame }).collect();
+    let links = model.moving_links().iter().cloned();
+    let links = links.map(|link| MovingLink { inertial: scaled(&link.inertial), ..link }).collect();
+    let frames = model.links().iter().cloned();
+    let frames = frames.map(|frame| Link { inertial: scaled(&frame.inertial), ..frame }).collect();
     Model::new(model.name(), model.gravity(), links, frames).expect("only masses differ")
 }
 
@@ -140,7 +140,7 @@ pub fn in_mass_unit(model: &Model, factor: f64) -> Model {
 /// If `length` is 0.
 #[must_use]
 pub fn pieces(model: &Model, length: usize) -> ModuleTree {
-    let name = |i: usize| model.links()[i].name.as_str();
+    let name = |i: usize| model.moving_links()[i].name.as_str();
     let chains = ModuleTree::chains(model);
     let list: Vec<Vec<&str>> = (chains.modules().iter())
         .flat_map(|module| {

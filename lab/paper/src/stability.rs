@@ -58,10 +58,10 @@ impl Problem {
     #[must_use]
     pub fn biped_with_foot(inertia: f64) -> Self {
         let model = robots::biped();
-        let mut links = model.links().to_vec();
+        let mut links = model.moving_links().to_vec();
         let foot = links.last_mut().expect("the swing foot");
         foot.inertial.inertia[0] = inertia;
-        let (gravity, frames) = (model.gravity(), model.frames().to_vec());
+        let (gravity, frames) = (model.gravity(), model.links().to_vec());
         let model = Model::new(model.name(), gravity, links, frames).expect("a biped");
         let modules = robots::biped_modules(&model);
         let gait::Posture { q, qd, .. } = gait::desired(0.0);

@@ -201,8 +201,9 @@ fn composite_modules_make_the_mass_matrix() {
 
 /// Returns the rotor's inertia at entry `v`.
 fn interpreter_rotor(model: &Model, v: usize) -> f64 {
-    let link = (0..model.links().len()).find(|&i| model.v_range(i).contains(&v)).expect("a joint");
-    model.links()[link].joint.dynamics.armature
+    let link =
+        (0..model.moving_links().len()).find(|&i| model.v_range(i).contains(&v)).expect("a joint");
+    model.moving_links()[link].joint.dynamics.armature
 }
 
 #[test]
@@ -320,7 +321,7 @@ fn articulated_propagation_passes_the_modules_between() {
 #[test]
 fn three_modules_in_a_row_are_appendix_a3() {
     let model = random::chain(5, 6);
-    let name = |i: usize| model.links()[i].name.as_str();
+    let name = |i: usize| model.moving_links()[i].name.as_str();
     let list: Vec<Vec<&str>> =
         [0..1, 1..4, 4..6].map(|r: std::ops::Range<usize>| r.map(name).collect()).into();
     let case = case(&model, ModuleTree::from_names(&model, &list).expect("modules"), 5)
@@ -405,7 +406,7 @@ fn one_link_a_module_is_the_articulated_body_inertia() {
         let mut inertias: Vec<Matrix> = (0..8).map(|i| d.mass(i)).collect();
         for i in (0..8).rev() {
             assert_same("articulated-body inertia", &case, d.articulated(i), &inertias[i]);
-            let Some(parent) = model.links()[i].parent else { continue };
+            let Some(parent) = model.moving_links()[i].parent else { continue };
             let axis = d.joints(i);
             let force = inertias[i].times(&axis);
             let hold = axis.transposed().times(&force).entries[0];

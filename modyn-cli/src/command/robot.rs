@@ -25,7 +25,7 @@ pub struct Robot {
 /// Returns the failure of a command that needs dynamics, for a robot whose links have no inertia.
 pub fn needs_dynamics(model: &Model, command: &str) -> Result<(), Failure> {
     let Some(&joint) = joints_without_inertia(model).first() else { return Ok(()) };
-    let joint = sanitize_for_display(&model.links()[joint].joint.name);
+    let joint = sanitize_for_display(&model.moving_links()[joint].joint.name);
     Err(Failure::usage(format!(
         "error: `{command}` needs dynamics, and joint `{joint}` moves no inertia: write the \
          `<inertial>` of its link, or give \

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use modyn_runtime::model::{Link, Model, ModuleTree};
+use modyn_runtime::model::{Model, ModuleTree, MovingLink};
 
 use super::Sparsity;
 use crate::escape::{markup, shortened};
@@ -50,7 +50,7 @@ pub fn draw(model: &Model, modules: &ModuleTree, sparsity: &Sparsity) -> String 
          <text x=\"{MARGIN}\" y=\"{y}\" font-size=\"26\" font-weight=\"bold\">{name}</text>\n\
          <text x=\"{MARGIN}\" y=\"{below}\" font-size=\"15\">{} moving links in {} kinematic \
          modules, {} degrees of freedom</text>\n",
-        model.links().len(),
+        model.moving_links().len(),
         modules.modules().len(),
         model.nv(),
         name = markup(model.name()),
@@ -115,7 +115,7 @@ fn tint(module: usize) -> &'static str {
 /// Returns the width of the boxes, in which every name fits.
 fn box_width(model: &Model, modules: &ModuleTree) -> f64 {
     let ends = modules.modules().iter().flat_map(|module| {
-        let links = &model.links()[module.links.clone()];
+        let links = &model.moving_links()[module.links.clone()];
         [(links.first(), 0), (links.last(), 3)] // "to " precedes the last name.
     });
     let letters = ends
@@ -166,8 +166,8 @@ impl TreePicture<'_> {
                 "<path d=\"M{from_x:.1} {from_y:.1} C{bend:.1} {from_y:.1} {bend:.1} {to:.1} {x:.1} {to:.1}\" \
              fill=\"none\" stroke=\"{LINE}\" stroke-width=\"2\"/>"
             );
-            let links = &model.links()[module.links.clone()];
-            let name = |link: Option<&Link>| {
+            let links = &model.moving_links()[module.links.clone()];
+            let name = |link: Option<&MovingLink>| {
                 markup(&shortened(link.map_or("", |link| &link.name), MAX_NAME_LENGTH))
             };
             let first = name(links.first());

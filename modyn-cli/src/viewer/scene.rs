@@ -158,7 +158,7 @@ fn robot<'s>(out: &mut String, model: &Model, shapes: &'s Shapes, meshes: &mut V
     let _ = Interpreter::<f64>::new(model.clone()).neutral(&mut neutral);
     numbers(out, &neutral);
     // The links that are fixed to the world, together.
-    let fixed = model.frames().iter().filter(|frame| frame.link.is_none());
+    let fixed = model.links().iter().filter(|link| link.moving_link.is_none());
     let inertials = fixed.map(|frame| frame.inertial.transformed(&frame.pose));
     let base = inertials.fold(Inertial::default(), |sum, inertial| sum.merged(&inertial));
     key(out, "base");
@@ -166,14 +166,14 @@ fn robot<'s>(out: &mut String, model: &Model, shapes: &'s Shapes, meshes: &mut V
     mass(out, &base);
     out.push('}');
     key(out, "bodies");
-    list(out, 0..model.links().len(), |out, link| body(out, model, link));
+    list(out, 0..model.moving_links().len(), |out, link| body(out, model, link));
     key(out, "frames");
-    list(out, model.frames(), |out, frame| {
+    list(out, model.links(), |out, frame| {
         out.push('{');
         key(out, "name");
         text(out, &frame.name);
         key(out, "body");
-        index(out, frame.link);
+        index(out, frame.moving_link);
         key(out, "pose");
         pose(out, &frame.pose);
         out.push('}');
@@ -187,7 +187,7 @@ fn robot<'s>(out: &mut String, model: &Model, shapes: &'s Shapes, meshes: &mut V
 
 /// Writes a moving link with its joint.
 fn body(out: &mut String, model: &Model, link: usize) {
-    let body = &model.links()[link];
+    let body = &model.moving_links()[link];
     let joint = &body.joint;
     let inertial = &body.inertial;
     out.push('{');

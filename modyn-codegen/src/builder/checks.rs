@@ -152,7 +152,7 @@ impl Builder {
             ModuleChoice::Chains => Ok(ModuleTree::chains(model)),
             ModuleChoice::Links => Ok(ModuleTree::links(model)),
             ModuleChoice::List(list) => ModuleTree::from_names(model, list).map_err(|errors| {
-                let names = || model.links().iter().map(|link| link.name.as_str());
+                let names = || model.moving_links().iter().map(|link| link.name.as_str());
                 let diagnostic = |error: &ModuleError| {
                     let diagnostic = Diagnostic::error(Code::Modules, error.to_string());
                     let meant = match error {
@@ -227,7 +227,7 @@ pub(super) fn needs_inertia(
     functions: &str,
     verb: &str,
 ) -> Diagnostic {
-    let joints = singular.iter().map(|&i| model.links()[i].joint.name.as_str());
+    let joints = singular.iter().map(|&i| model.moving_links()[i].joint.name.as_str());
     let message = format!(
         "{functions} {verb} inertia, and {} {} none",
         listed("joint", joints),
@@ -261,42 +261,42 @@ pub(super) fn without_hessian(functions: &[String], prefix: &str) -> Option<Diag
     })
 }
 
-/// Returns the links of this `option`, as indices into the model's frames.
-pub(super) fn moving_frames(
+/// Returns the links of this `option`, as indices into the model's links.
+pub(super) fn links_that_move(
     model: &Model,
     option: &str,
     code: Code,
-    links: &[String],
+    names: &[String],
 ) -> Result<Vec<usize>, Diagnostics> {
     let mut errors = Vec::new();
-    let mut frames = Vec::new();
-    let names = || model.frames().iter().map(|frame| frame.name.as_str());
-    for name in links {
+    let mut links = Vec::new();
+    let described = || model.links().iter().map(|link| link.name.as_str());
+    for name in names {
         let mut error = |message: String, help: String| {
             errors.push(Diagnostic::error(code, message).with_help(help));
         };
-        match names().position(|other| other == name) {
+        match described().position(|other| other == name) {
             None => {
-                let help = match suggest(name, names()) {
+                let help = match suggest(name, described()) {
                     Some(meant) => format!("did you mean `{meant}`?"),
                     None => "name a link of the description".into(),
                 };
                 error(format!("`{name}` in `{option}` is not a link"), help);
             }
-            Some(frame) if model.frames()[frame].link.is_none() => error(
+            Some(link) if model.links()[link].moving_link.is_none() => error(
                 format!("link `{name}` in `{option}` does not move"),
                 "remove it: a link that is fixed to the world has no effect on the dynamics".into(),
             ),
-            Some(frame) if frames.contains(&frame) => {
+            Some(link) if links.contains(&link) => {
                 error(
                     format!("link `{name}` is listed in `{option}` twice"),
                     "name it once".into(),
                 );
             }
-            Some(frame) => frames.push(frame),
+            Some(link) => links.push(link),
         }
     }
-    if errors.is_empty() { Ok(frames) } else { Err(Diagnostics::new(errors)) }
+    if errors.is_empty() { Ok(links) } else { Err(Diagnostics::new(errors)) }
 }
 
 /// Returns the error that a function of arrays, which is differentiated this many times, takes too
@@ -315,7 +315,7 @@ pub fn too_long_entries(
             "differentiate by fewer arguments, or by products with vectors in place of matrices",
         ),
     };
-    let joints = model.links().len();
+    let joints = model.moving_links().len();
     let message =
         format!("{what} of {joints} moving joints takes more than {MAX_OPERATIONS} operations");
     Diagnostic::error(Code::TooLarge, message).with_help(help)
@@ -333,7 +333,7 @@ fn helps_by_links(model: &Model, modules: &ModuleTree, names: &[&str]) -> bool {
 
 /// Returns the error that the functions of a robot take too many operations.
 pub fn too_long(model: &Model, modules: &ModuleTree, reason: &TooLong) -> Diagnostic {
-    let joints = model.links().len();
+    let joints = model.moving_links().len();
     let other = "use `modyn::Interpreter`, which has no such limit";
     let TooLong::Function { name, before } = reason else {
         let message = format!(
@@ -357,12 +357,13 @@ pub fn too_long(model: &Model, modules: &ModuleTree, reason: &TooLong) -> Diagno
     let longest_module =
         modules.modules().iter().map(|module| &module.links).max_by_key(|l| l.len());
     let longest = longest_module.map(|links| {
-        let [first, last] = [links.start, links.end - 1].map(|link| &model.links()[link].name);
+        let [first, last] =
+            [links.start, links.end - 1].map(|link| &model.moving_links()[link].name);
         format!("; the longest module has {} links, from `{first}` to `{last}`", links.len())
     });
     let message = format!(
         "`{name}` of {joints} moving joints and {} links takes more than {MAX_OPERATIONS} operations{others}{}",
-        model.frames().len(),
+        model.links().len(),
         longest.unwrap_or_default(),
     );
     let help = if *name == Function::Brge.name() && helps_by_links(model, modules, &reached) {

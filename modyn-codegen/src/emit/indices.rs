@@ -19,7 +19,7 @@ pub(super) struct Named {
 /// and activations where there are some.
 pub(super) fn all_names(model: &Model) -> Vec<Named> {
     let named = |kind, docs, names: Vec<String>| Named { kind, docs, names };
-    let frames = model.frames().iter().map(|frame| frame.name.to_string());
+    let frames = model.links().iter().map(|link| link.name.to_string());
     let loops = model.loop_constraints().iter().map(|constraint| constraint.name.to_string());
     let contacts = model.contacts().iter().map(|contact| contact.name.to_string());
     let touching = model.touching_shapes();

@@ -262,7 +262,7 @@ impl Member {
                 format!("`{name}` is no member of a fused function, since its solver is a loop");
             return Err((message, "leave it out, and call it by itself".into()));
         }
-        let frames = || model.frames().iter().map(|frame| frame.name.as_str());
+        let frames = || model.links().iter().map(|link| link.name.as_str());
         let frame = link.map(|link| {
             frames().position(|other| other == link).ok_or_else(|| {
                 let help = suggest(link, frames()).map_or_else(

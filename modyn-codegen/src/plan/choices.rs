@@ -25,9 +25,9 @@ pub struct Choices {
     pub machine_code: bool,
     /// Whether gravity is an argument.
     pub runtime_gravity: bool,
-    /// The links whose own inertia is an argument, as indices into the model's frames.
+    /// The links whose own inertia is an argument, as indices into the model's links.
     pub runtime_inertia: Vec<usize>,
-    /// The links with a payload that is an argument, as indices into the model's frames.
+    /// The links with a payload that is an argument, as indices into the model's links.
     pub payload: Vec<usize>,
 }
 

@@ -39,16 +39,16 @@ impl Constants {
     /// Returns the constants of a model.
     #[must_use]
     pub fn new(model: &Model, choices: &Choices) -> Self {
-        let links = model.links();
-        let frames = model.frames();
+        let links = model.moving_links();
+        let frames = model.links();
         let mut neutral = vec![0.0; model.nq()];
         coordinates::neutral(&Mechanism::new(model), &mut neutral);
         let link_parents = frames.iter().map(|frame| {
-            let carrier = frame.link.and_then(|link| match links[link].name == frame.name {
+            let carrier = frame.moving_link.and_then(|link| match links[link].name == frame.name {
                 true => links[link].parent,
                 false => Some(link),
             });
-            carrier.and_then(|link| model.frame_index(&links[link].name))
+            carrier.and_then(|link| model.link_index(&links[link].name))
         });
         let inertial_parameters =
             (0..links.len()).filter_map(|link| model.inertial_parameters(link)).flatten();

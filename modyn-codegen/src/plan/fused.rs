@@ -49,7 +49,7 @@ pub enum MemberFunction {
     Table {
         /// The function.
         function: Function,
-        /// The link of a function of one link, as an index into the model's frames.
+        /// The link of a function of one link, as an index into the model's links.
         link: Option<usize>,
     },
     /// A form of a user's function.

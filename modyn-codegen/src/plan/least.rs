@@ -60,11 +60,11 @@ impl PlanContext<'_> {
     /// Returns the sum of the numbers of ancestors of all links with a program of their own.
     fn ancestors_of_links(&self) -> usize {
         let mut depths: Vec<usize> = Vec::new();
-        for link in self.model.links() {
+        for link in self.model.moving_links() {
             // Parents come before their children.
             depths.push(link.parent.map_or(0, |parent| depths[parent] + 1));
         }
-        let depth = |frame: usize| self.model.frames()[frame].link.map_or(0, |link| depths[link]);
+        let depth = |link: usize| self.model.links()[link].moving_link.map_or(0, |i| depths[i]);
         self.frames.links_with_own_program().map(depth).sum()
     }
 
@@ -140,22 +140,22 @@ impl PlanContext<'_> {
     fn with_fewer_constraints(&self) -> Option<Model> {
         let model = self.model;
         let mut limbs: Vec<usize> = Vec::new();
-        for (link, record) in model.links().iter().enumerate() {
+        for (link, record) in model.moving_links().iter().enumerate() {
             limbs.push(record.parent.map_or(link, |parent| limbs[parent]));
         }
-        let limb_of = |frame: usize| model.frames()[frame].link.map(|link| limbs[link]);
+        let limb_of = |link: usize| model.links()[link].moving_link.map(|i| limbs[i]);
         let contacts = model.contacts();
         let loops = model.loop_constraints();
-        let limbs_of_contacts = contacts.iter().map(|contact| limb_of(contact.end.frame));
-        let limbs_of_loops = loops.iter().map(|closed| limb_of(closed.ends[1].frame));
-        let mut counts = vec![0_usize; model.links().len()];
+        let limbs_of_contacts = contacts.iter().map(|contact| limb_of(contact.end.link));
+        let limbs_of_loops = loops.iter().map(|closed| limb_of(closed.ends[1].link));
+        let mut counts = vec![0_usize; model.moving_links().len()];
         limbs_of_contacts.chain(limbs_of_loops).flatten().for_each(|limb| counts[limb] += 1);
         let (most, _) = counts.iter().enumerate().max_by_key(|(_, count)| **count)?;
-        let on_limb = |frame: usize| limb_of(frame) == Some(most);
-        let contacts_on_limb = contacts.iter().filter(|contact| on_limb(contact.end.frame));
+        let on_limb = |link: usize| limb_of(link) == Some(most);
+        let contacts_on_limb = contacts.iter().filter(|contact| on_limb(contact.end.link));
         let some_contacts: Vec<_> = contacts_on_limb.take(COUNTED_CONSTRAINTS).cloned().collect();
         let left = COUNTED_CONSTRAINTS - some_contacts.len();
-        let loops_on_limb = loops.iter().filter(|closed| on_limb(closed.ends[1].frame));
+        let loops_on_limb = loops.iter().filter(|closed| on_limb(closed.ends[1].link));
         let some_loops = loops_on_limb.take(left).cloned().collect();
         let fewer = model.clone().with_loop_constraints(some_loops).ok()?;
         fewer.with_contacts(some_contacts).ok()

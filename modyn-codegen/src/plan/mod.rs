@@ -172,7 +172,7 @@ impl Plan {
         further: impl FnOnce(&PlanContext<'_>, &mut Budget) -> Result<T, TooLong>,
     ) -> Result<(Self, T), TooLong> {
         let batches = execution == Execution::Simd;
-        if model.links().len() > MAX_LINKS {
+        if model.moving_links().len() > MAX_LINKS {
             return Err(TooLong::Robot);
         }
         let robot = SymbolicRobot::new(model, choices.parameters(model));

@@ -107,7 +107,7 @@ impl Search {
     fn new(model: &Model) -> Self {
         let mut groups: BTreeMap<Vec<JointType>, Vec<Range<usize>>> = BTreeMap::new();
         for module in ModuleTree::chains(model).modules() {
-            let links = &model.links()[module.links.clone()];
+            let links = &model.moving_links()[module.links.clone()];
             let types = links.iter().map(|link| link.joint.joint_type).collect();
             groups.entry(types).or_default().push(module.links.clone());
         }
@@ -162,8 +162,8 @@ impl Search {
             }
         }
         starts.sort_unstable();
-        let ends = starts.iter().skip(1).copied().chain([model.links().len()]);
-        let name = |i: usize| model.links()[i].name.as_str();
+        let ends = starts.iter().skip(1).copied().chain([model.moving_links().len()]);
+        let name = |i: usize| model.moving_links()[i].name.as_str();
         let list: Vec<Vec<&str>> =
             starts.iter().zip(ends).map(|(&start, end)| (start..end).map(name).collect()).collect();
         ModuleTree::from_names(model, &list).ok()

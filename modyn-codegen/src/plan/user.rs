@@ -258,9 +258,9 @@ impl NamedFunction {
     /// function cannot be traced.
     pub(crate) fn depends_on_inertia(&self, model: &Model) -> bool {
         let carries =
-            |link: usize| model.frames().iter().position(|frame| frame.link == Some(link));
-        let frames: Vec<usize> = (0..model.links().len()).filter_map(carries).collect();
-        let robot = SymbolicRobot::new(model, Parameters::new(model, false, &frames, &[]));
+            |moving: usize| model.links().iter().position(|link| link.moving_link == Some(moving));
+        let links: Vec<usize> = (0..model.moving_links().len()).filter_map(carries).collect();
+        let robot = SymbolicRobot::new(model, Parameters::new(model, false, &links, &[]));
         let tracer = Tracer::with_parameters(&robot.mechanism, robot.parameters.clone());
         let inputs = self.inputs(&Sizes::new(model, 0));
         let graphs = tracer.user_function(model, inputs, &*self.evaluate);

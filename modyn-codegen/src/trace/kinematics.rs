@@ -1,4 +1,4 @@
-//! The graphs of kinematic quantities: of one link (`frame` is its index in the model's frames),
+//! The graphs of kinematic quantities: of one link (`link` is its index in the model's links),
 //! and of all links.
 //!
 //! A pose is nine numbers of the rotation by rows, then three of the translation. A twist or a
@@ -37,7 +37,7 @@ impl Tracer<'_> {
         })
     }
 
-    /// Returns the graph of the poses of all frames: each nine numbers of the rotation by rows,
+    /// Returns the graph of the poses of all links: each nine numbers of the rotation by rows,
     /// then three of the translation. Inputs: `q`.
     #[must_use]
     pub fn link_poses(&self) -> Graph {

@@ -14,10 +14,10 @@ use crate::graph::{Expr, Graph};
 pub struct Parameters {
     /// Whether gravity is a parameter.
     pub gravity: bool,
-    /// The links whose own inertia is a parameter, as indices into [`Model::frames`], with their
+    /// The links whose own inertia is a parameter, as indices into [`Model::links`], with their
     /// described inertia.
     pub inertias: Vec<(usize, Inertial)>,
-    /// The links with a payload, as indices into [`Model::frames`].
+    /// The links with a payload, as indices into [`Model::links`].
     pub payloads: Vec<usize>,
     /// The moving links that carry one of the `inertias`, with their inertia without these, about
     /// their origin, and the compensated mass without these on their bodies.
@@ -26,11 +26,11 @@ pub struct Parameters {
 
 impl Parameters {
     /// Returns the parameters of a model: gravity, the links whose own inertia is a parameter, and
-    /// the links with a payload, as indices into its frames.
+    /// the links with a payload, as indices into its links.
     #[must_use]
     pub fn new(model: &Model, gravity: bool, inertias: &[usize], payloads: &[usize]) -> Self {
         let mut carrying: Vec<usize> =
-            inertias.iter().filter_map(|&frame| model.frames()[frame].link).collect();
+            inertias.iter().filter_map(|&link| model.links()[link].moving_link).collect();
         carrying.sort_unstable();
         carrying.dedup();
         let factors = model.gravity_compensation().iter().enumerate();
@@ -38,10 +38,10 @@ impl Parameters {
         let model_kept = model.clone().with_gravity_compensation(kept.collect());
         let kept = Mechanism::new(&model_kept.expect("as many finite factors"));
         let rest = |link: usize| {
-            let alone = inertia_without(model, link, |frame| inertias.contains(&frame));
+            let alone = inertia_without(model, link, |other| inertias.contains(&other));
             (link, alone, kept.bodies[kept.links[link]].compensated)
         };
-        let described = |&frame: &usize| (frame, model.frames()[frame].inertial);
+        let described = |&link: &usize| (link, model.links()[link].inertial);
         Self {
             gravity,
             inertias: inertias.iter().map(described).collect(),
@@ -99,18 +99,18 @@ impl Parameters {
             model.gravity = Vector3([input(), input(), input()]);
         }
         self.remove(model);
-        let inertias = self.inertias.iter().map(|(frame, _)| (frame, true));
-        let payloads = self.payloads.iter().map(|frame| (frame, false));
-        for (&frame, is_own) in inertias.chain(payloads) {
+        let inertias = self.inertias.iter().map(|(link, _)| (link, true));
+        let payloads = self.payloads.iter().map(|link| (link, false));
+        for (&link, is_own) in inertias.chain(payloads) {
             let inertial = Inertial {
                 mass: input(),
                 center_of_mass: std::array::from_fn(|_| input()),
                 inertia: std::array::from_fn(|_| input()),
             };
             let inertia = rigid_inertia(&inertial);
-            model.add_inertia(frame, &inertia);
+            model.add_inertia(link, &inertia);
             if is_own {
-                model.compensate(frame, &inertia);
+                model.compensate(link, &inertia);
             }
         }
     }

@@ -99,7 +99,7 @@ fn numbers_have_names() {
     target.velocity.linear.0[0] = 2.0;
     target.compliance = 3.0;
     target.weight = 4.0;
-    let link = model.frame_index("front_left_foot").expect("a link") as f64;
+    let link = model.link_index("front_left_foot").expect("a link") as f64;
     let mut expected = settings.all_numbers();
     expected.extend(constraints.numbers());
     expected.extend(constraints.targets.iter().flat_map(ContactTarget::numbers));
@@ -161,7 +161,7 @@ fn contacts_are_arguments() {
 #[test]
 fn run_time_parameters_compile_and_have_their_defaults() {
     let builder = robot("gripper").runtime_gravity();
-    let links = builder.generate().expect("good").model.links().to_vec();
+    let links = builder.generate().expect("good").model.moving_links().to_vec();
     let [replaced, loaded] = [1, 2].map(|link: usize| links[link].name.clone());
     let builder = builder.runtime_inertia([replaced]).payload([loaded]);
     let (folder, header) = compiled("parameters", &builder);
@@ -175,7 +175,8 @@ fn run_time_parameters_compile_and_have_their_defaults() {
     let defaults = defaults.split_once(" };").expect("an end").0.split(", ");
     let defaults: Vec<f64> = defaults.map(|x| x.parse().expect("a number")).collect();
     let own = builder.generate().expect("good").model;
-    let own = own.frames().iter().find(|frame| frame.link == Some(1)).expect("a link").inertial;
+    let own =
+        own.links().iter().find(|frame| frame.moving_link == Some(1)).expect("a link").inertial;
     assert_eq!(defaults[..3], [0.0, 0.0, -9.81]);
     assert_eq!(defaults[3], own.mass);
     assert_eq!(defaults[4..7], own.center_of_mass);

@@ -45,7 +45,7 @@ impl BackEnd for Matlab {
             std::fs::write(path, &file.text).expect("writes");
         }
         let model = &subject.robot.model;
-        let links: Vec<&str> = model.frames().iter().map(|frame| frame.name.as_str()).collect();
+        let links: Vec<&str> = model.links().iter().map(|link| link.name.as_str()).collect();
         let links = modyn_codegen::names::fields(&links, &[]);
         let mut main = String::from("in = fopen('in', 'rb');\nout = fopen('out', 'wb');\n");
         for own in subject.calls.chunks(STATES) {

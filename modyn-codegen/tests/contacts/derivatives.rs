@@ -82,7 +82,7 @@ fn with_a_loop(random: &mut Random) -> Model {
     loop {
         let tree = random_tree(random, 8, 2, Base::Floating);
         let mut end = |link: &str| LoopConstraintEnd {
-            frame: tree.frame_index(link).expect("a link"),
+            link: tree.link_index(link).expect("a link"),
             pose: Pose {
                 rotation: rows(&rotation(random.three(3.0))),
                 translation: random.three(0.3),
@@ -126,7 +126,7 @@ fn derivatives_under_external_wrenches_are_those_of_differences() {
             let active: Vec<bool> = model.contacts().iter().map(|_| random.next() > -0.5).collect();
             let state = state(&model, &mut random);
             let settings = general(&model, &mut random, 0.01);
-            let wrenches: Vec<Wrench<f64>> = (0..model.frames().len())
+            let wrenches: Vec<Wrench<f64>> = (0..model.links().len())
                 .map(|_| Wrench::from_components([0; 6].map(|_| 20.0 * random.next())))
                 .collect();
             let value = |there: &State| {

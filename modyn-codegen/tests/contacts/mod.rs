@@ -246,10 +246,10 @@ fn frame(interpreter: &mut Interpreter<f64>, State { q, qd, .. }: &State, c: usi
     let end = &model.contacts()[c].end;
     let nv = model.nv();
     let mut columns = vec![Twist::zero(); nv];
-    interpreter.jacobian(q, end.frame, &mut columns).expect("a link");
-    let rate = interpreter.link_acceleration(q, qd, &vec![0.0; nv], end.frame).expect("a link");
-    let velocity = interpreter.link_velocity(q, qd, end.frame).expect("a link");
-    let link = interpreter.link_pose(q, end.frame).expect("a link");
+    interpreter.jacobian(q, end.link, &mut columns).expect("a link");
+    let rate = interpreter.link_acceleration(q, qd, &vec![0.0; nv], end.link).expect("a link");
+    let velocity = interpreter.link_velocity(q, qd, end.link).expect("a link");
+    let link = interpreter.link_pose(q, end.link).expect("a link");
     let lever = matrix(link.rotation) * V3::from(end.pose.translation);
     let v = |x: Vector3<f64>| V3::from(x.0);
     let mut jacobian = DMatrix::zeros(6, nv);
@@ -409,7 +409,7 @@ fn redundant(random: &mut Random) -> Model {
     let model = random_tree(random, 5, 0, Base::Floating);
     let end =
         |model: &Model, link: &str, random: &mut Random| modyn_runtime::model::LoopConstraintEnd {
-            frame: model.frame_index(link).expect("a link"),
+            link: model.link_index(link).expect("a link"),
             pose: Pose {
                 rotation: rows(&rotation(random.three(3.0))),
                 translation: random.three(0.3),
@@ -673,7 +673,7 @@ fn bad_contacts_are_refused() {
         errors.into_iter().map(|error| error.kind).collect::<Vec<_>>()
     };
     assert_eq!(kinds(&|c| c.name = "hind_left".into()), [ModelErrorKind::DuplicateName]);
-    assert_eq!(kinds(&|c| c.end.frame = 99), [ModelErrorKind::ContactLink]);
+    assert_eq!(kinds(&|c| c.end.link = 99), [ModelErrorKind::ContactLink]);
     assert_eq!(kinds(&|c| c.end.pose.translation[0] = f64::NAN), [ModelErrorKind::NotFinite]);
     assert_eq!(kinds(&|c| c.end.pose.rotation[0][0] = 2.0), [ModelErrorKind::Rotation]);
 }
@@ -1032,7 +1032,7 @@ fn for_all_loops(seed: u64, mut check: impl FnMut(&Model, &State, &[bool], &Sett
         let base = if k % 2 == 0 { Base::Floating } else { Base::Fixed };
         let model = random_tree(&mut random, 13, 1, base);
         let mut end = |link: &str| LoopConstraintEnd {
-            frame: model.frame_index(link).expect("a link"),
+            link: model.link_index(link).expect("a link"),
             pose: Pose {
                 rotation: rows(&rotation(random.three(3.0))),
                 translation: random.three(0.3),

@@ -10,7 +10,7 @@ use modyn_runtime::equations::{self, Motion};
 pub fn lying_quadruped() -> Model {
     let mut contacts = quadruped().contacts().to_vec();
     let end = LoopConstraintEnd {
-        frame: quadruped().frame_index("trunk").expect("a link"),
+        link: quadruped().link_index("trunk").expect("a link"),
         pose: Pose {
             rotation: rows(&rotation([0.3, -0.4, 0.2])),
             translation: [0.03, 0.02, -0.05],

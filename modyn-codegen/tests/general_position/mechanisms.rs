@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use modyn_runtime::joint::JointType;
 use modyn_runtime::model::{
-    Frame, Inertial, Joint, Link, LoopConstraint, LoopConstraintEnd, LoopConstraintKind, Model,
+    Inertial, Joint, Link, LoopConstraint, LoopConstraintEnd, LoopConstraintKind, Model, MovingLink,
 };
 use modyn_runtime::spatial::Pose;
 use nalgebra::{Matrix3, Rotation3, Vector3};
@@ -83,7 +83,7 @@ fn bar(mass: f64, end: [f64; 3]) -> Inertial {
 /// A model under construction.
 #[derive(Default)]
 struct Parts {
-    links: Vec<Link>,
+    links: Vec<MovingLink>,
     constraints: Vec<LoopConstraint>,
 }
 
@@ -100,14 +100,14 @@ impl Parts {
     ) -> usize {
         let i = self.links.len();
         let joint = Joint::new(format!("joint{i}"), joint_type, axis, origin);
-        self.links.push(Link { name: format!("link{i}"), parent, joint, inertial });
+        self.links.push(MovingLink { name: format!("link{i}"), parent, joint, inertial });
         i
     }
 
     fn close(&mut self, kind: LoopConstraintKind, ends: [(Option<usize>, Pose<f64>); 2]) {
         // The world is the last frame here and the first frame of the model.
         let ends =
-            ends.map(|(link, pose)| LoopConstraintEnd { frame: link.map_or(0, |i| i + 1), pose });
+            ends.map(|(link, pose)| LoopConstraintEnd { link: link.map_or(0, |i| i + 1), pose });
         let name = format!("loop{}", self.constraints.len());
         self.constraints.push(LoopConstraint { name, kind, ends });
     }
@@ -136,15 +136,15 @@ impl Parts {
     }
 
     fn model(self) -> Model {
-        let frame = |name: &str, link| Frame {
+        let frame = |name: &str, link| Link {
             name: name.into(),
-            link,
+            moving_link: link,
             pose: Pose::identity(),
             inertial: Inertial::default(),
         };
         let of_links = self.links.iter().enumerate();
         let of_links = of_links
-            .map(|(i, link)| Frame { inertial: link.inertial, ..frame(&link.name, Some(i)) });
+            .map(|(i, link)| Link { inertial: link.inertial, ..frame(&link.name, Some(i)) });
         let frames = [frame("world", None)].into_iter().chain(of_links).collect();
         let model = Model::new("mechanism", [0.3, -9.0, 2.0], self.links, frames).expect("a tree");
         model.with_loop_constraints(self.constraints).expect("loops")
@@ -383,7 +383,7 @@ pub fn rotated(model: &Model, r: &Matrix3<f64>, scale: f64) -> Model {
             ..*inertial
         }
     };
-    let links = model.links().iter().cloned().map(|mut link| {
+    let links = model.moving_links().iter().cloned().map(|mut link| {
         let joint = &mut link.joint;
         joint.origin = pose(&joint.origin);
         joint.axis = direction(joint.axis);
@@ -391,10 +391,10 @@ pub fn rotated(model: &Model, r: &Matrix3<f64>, scale: f64) -> Model {
         link.inertial = inertial(&link.inertial);
         link
     });
-    let frames = model.frames().iter().map(|frame| Frame {
-        pose: pose(&frame.pose),
-        inertial: inertial(&frame.inertial),
-        ..frame.clone()
+    let frames = model.links().iter().map(|link| Link {
+        pose: pose(&link.pose),
+        inertial: inertial(&link.inertial),
+        ..link.clone()
     });
     let constraints = model.loop_constraints().iter().cloned().map(|mut constraint| {
         constraint.ends.iter_mut().for_each(|end| end.pose = pose(&end.pose));
@@ -415,7 +415,7 @@ pub fn rotated(model: &Model, r: &Matrix3<f64>, scale: f64) -> Model {
 /// Returns, for each entry of q and qd, whether it is a displacement.
 pub fn lengths(model: &Model) -> Vec<bool> {
     model
-        .links()
+        .moving_links()
         .iter()
         .flat_map(|link| {
             let joint_type = link.joint.joint_type;

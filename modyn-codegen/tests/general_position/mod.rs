@@ -16,8 +16,8 @@ use modyn_runtime::equations::constraints::{ConstrainedOutputs, ProjectionOutput
 use modyn_runtime::equations::{ForwardInput, State};
 use modyn_runtime::joint::JointType;
 use modyn_runtime::model::{
-    Frame, Inertial, Joint, Link, LoopConstraint, LoopConstraintEnd, LoopConstraintKind, Model,
-    ModuleTree,
+    Inertial, Joint, Link, LoopConstraint, LoopConstraintEnd, LoopConstraintKind, Model,
+    ModuleTree, MovingLink,
 };
 use modyn_runtime::spatial::{Pose, Twist, Wrench};
 use modyn_runtime::{ConstrainedDerivatives, ConstraintSettings, Interpreter, Scalar};
@@ -440,14 +440,15 @@ fn the_characteristic_length_is_as_documented() {
 #[test]
 fn a_loop_without_extent_has_a_length_of_a_metre() {
     let joint = Joint::new("joint", JointType::Spherical, [0.0, 0.0, 1.0], Pose::identity());
-    let link = Link { name: "link".into(), parent: None, joint, inertial: Inertial::default() };
-    let frame = |name: &str, link| Frame {
+    let link =
+        MovingLink { name: "link".into(), parent: None, joint, inertial: Inertial::default() };
+    let frame = |name: &str, link| Link {
         name: name.into(),
-        link,
+        moving_link: link,
         pose: Pose::identity(),
         inertial: Inertial::default(),
     };
-    let end = |frame| LoopConstraintEnd { frame, pose: Pose::identity() };
+    let end = |frame| LoopConstraintEnd { link: frame, pose: Pose::identity() };
     let constraint = LoopConstraint {
         name: "closed".into(),
         ends: [end(0), end(1)],

@@ -41,9 +41,11 @@ impl<'a> Reference<'a> {
     }
 
     fn link(&mut self, q: &[f64], link: Option<usize>) -> Pose<f64> {
-        let frames = self.model.frames();
+        let frames = self.model.links();
         let own = |i| {
-            frames.iter().position(|f| f.link == Some(i) && f.name == self.model.links()[i].name)
+            frames.iter().position(|f| {
+                f.moving_link == Some(i) && f.name == self.model.moving_links()[i].name
+            })
         };
         link.map_or(Pose::identity(), |i| {
             self.interpreter.link_pose(q, own(i).expect("a frame")).expect("a pose")
@@ -53,8 +55,8 @@ impl<'a> Reference<'a> {
     /// Returns the moving link of a constraint's frame, and the frame's pose in the world frame.
     fn end(&mut self, q: &[f64], constraint: usize, end: usize) -> (Option<usize>, Placed) {
         let end = self.model.loop_constraints()[constraint].ends[end].clone();
-        let frame = &self.model.frames()[end.frame];
-        let link = frame.link;
+        let frame = &self.model.links()[end.link];
+        let link = frame.moving_link;
         let local = frame.pose.compose(&end.pose);
         (link, Placed::new(&self.link(q, link).compose(&local)))
     }
@@ -71,7 +73,7 @@ impl<'a> Reference<'a> {
         let mut at = link;
         while let Some(i) = at {
             let (joint, parent) =
-                (self.model.links()[i].joint.clone(), self.model.links()[i].parent);
+                (self.model.moving_links()[i].joint.clone(), self.model.moving_links()[i].parent);
             let placed = Placed::new(&self.link(q, Some(i)));
             let before = Placed::new(&self.link(q, parent).compose(&joint.origin));
             let column = self.model.v_range(i).start;
@@ -168,7 +170,7 @@ impl<'a> Reference<'a> {
         let paths = [a, b].map(|(link, placed)| {
             let mut places = vec![(link, placed.origin)];
             while let Some((Some(i), _)) = places.last().copied() {
-                let link = &self.model.links()[i];
+                let link = &self.model.moving_links()[i];
                 let (parent, origin) = (link.parent, link.joint.origin);
                 places.push((parent, Placed::new(&self.link(q, parent).compose(&origin)).origin));
             }
@@ -184,7 +186,7 @@ impl<'a> Reference<'a> {
             let mut at = 0;
             while !shared(&own[at], other) {
                 let link = own[at].0.expect("moves");
-                let inertial = self.model.links()[link].inertial;
+                let inertial = self.model.moving_links()[link].inertial;
                 length += (own[at].1 - Placed::new(&self.link(q, Some(link))).origin).norm();
                 if inertial.mass > 0.0 {
                     let [xx, _, _, yy, _, zz] = inertial.inertia;

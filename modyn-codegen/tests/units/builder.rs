@@ -26,10 +26,10 @@ fn comb(chains: usize, length: usize) -> Model {
 }
 
 /// Returns the model with its last link changed.
-fn changed(model: &Model, change: impl Fn(&mut modyn_runtime::model::Link)) -> Model {
-    let mut links = model.links().to_vec();
+fn changed(model: &Model, change: impl Fn(&mut modyn_runtime::model::MovingLink)) -> Model {
+    let mut links = model.moving_links().to_vec();
     links.iter_mut().next_back().into_iter().for_each(change);
-    Model::new(model.name(), model.gravity(), links, model.frames().to_vec()).expect("valid")
+    Model::new(model.name(), model.gravity(), links, model.links().to_vec()).expect("valid")
 }
 
 #[test]
@@ -66,7 +66,7 @@ fn a_model_is_checked_as_a_description_is() {
 fn gravity_is_a_models_own_unless_it_is_given() {
     let model = comb(1, 1);
     let moon = [0.0, 0.0, -1.62];
-    let (links, frames) = (model.links().to_vec(), model.frames().to_vec());
+    let (links, frames) = (model.moving_links().to_vec(), model.links().to_vec());
     let on_moon = Model::new("m", moon, links, frames).expect("valid");
     let builder = Builder::new().model(on_moon);
     assert_eq!(builder.clone().generate().expect("good").model.gravity(), moon);

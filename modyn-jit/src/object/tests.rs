@@ -115,7 +115,7 @@ fn entries_of_windows_compute_the_same() {
         Function::LinkPoses,
     ];
     let planning = plan("arm6", &functions);
-    let frames = planning.model.frames().len();
+    let frames = planning.model.links().len();
     for instruction_set in InstructionSet::available() {
         let planned =
             text::<f64>(&planning.plan, &planning.model, instruction_set, Convention::Windows);

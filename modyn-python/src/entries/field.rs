@@ -45,7 +45,7 @@ impl FieldNumbers<'_> {
 /// each shape.
 pub fn poses(robot: &Robot) -> EntryFunction {
     let shapes = robot.model().touching_shapes().into_iter();
-    let numbers = shapes.flat_map(|shape| POSE * shape.end.frame..POSE * (shape.end.frame + 1));
+    let numbers = shapes.flat_map(|shape| POSE * shape.end.link..POSE * (shape.end.link + 1));
     EntryFunction {
         function: Function::LinkPoses,
         link: None,

@@ -1,7 +1,8 @@
 //! The actuators of the options and of the description, whose joints become links of the model.
 
 use modyn_runtime::model::{
-    Actuation, Actuator, AffineLaw, JointForceRange, Limits, Link, TorqueSpeedLine, Transmission,
+    Actuation, Actuator, AffineLaw, JointForceRange, Limits, MovingLink, TorqueSpeedLine,
+    Transmission,
 };
 use rustc_hash::FxHashMap;
 
@@ -232,7 +233,7 @@ pub fn actuation(
     description: &Description,
     options: &ReadOptions,
     joints: &[Option<usize>],
-    links: &[Link],
+    links: &[MovingLink],
 ) -> Actuation {
     let mut actuation = description.actuation.clone();
     let links_of_joints: FxHashMap<usize, usize> =

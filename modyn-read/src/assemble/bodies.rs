@@ -1,7 +1,7 @@
 //! From the tree of links and joints to moving bodies: links that fixed joints connect are merged.
 
 use modyn_runtime::joint::JointType;
-use modyn_runtime::model::{self, Inertial, Joint, Link};
+use modyn_runtime::model::{self, Inertial, Joint, MovingLink};
 use modyn_runtime::spatial::Pose;
 
 use super::tree::Tree;
@@ -21,7 +21,7 @@ pub struct MergedBody {
 
 /// The bodies assembled so far.
 pub struct Assembly {
-    pub links: Vec<Link>,
+    pub links: Vec<MovingLink>,
     pub bodies: Vec<MergedBody>,
     /// For each link of the description, the moving link that carries it, and its pose on that
     /// link.
@@ -75,7 +75,7 @@ impl Assembly {
         known: bool,
     ) -> (Option<usize>, Pose<f64>) {
         let name = record.name.text.clone();
-        self.links.push(Link { name, parent, joint, inertial: Inertial::default() });
+        self.links.push(MovingLink { name, parent, joint, inertial: Inertial::default() });
         self.bodies.push(MergedBody { links: Vec::new(), joint: index, known });
         (Some(self.links.len() - 1), Pose::identity())
     }

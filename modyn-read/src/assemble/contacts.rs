@@ -88,7 +88,7 @@ fn contact(
         let help = "write `xyz` in m and `rpy` in rad";
         error(end.at, "its place is not finite".into(), help);
     }
-    let end = LoopConstraintEnd { frame: frame?, pose: end.pose };
+    let end = LoopConstraintEnd { link: frame?, pose: end.pose };
     let contact = Contact { name: record.name.clone(), kind: record.kind?, end };
     (report.errors() == errors).then_some(contact)
 }

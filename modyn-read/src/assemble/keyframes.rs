@@ -8,7 +8,7 @@ use crate::description::Description;
 /// Returns the keyframes with the coordinates and velocities of the model's joints: fixed joints and
 /// mimic joints have none.
 pub fn keyframes(description: &Description, model: &Model) -> Vec<Keyframe> {
-    let independent = (0..).zip(model.links()).filter(|(i, _)| model.mimic(*i).is_none());
+    let independent = (0..).zip(model.moving_links()).filter(|(i, _)| model.mimic(*i).is_none());
     let links: FxHashMap<&str, usize> = if description.keyframes.is_empty() {
         FxHashMap::default()
     } else {

@@ -92,12 +92,12 @@ impl<'p> Search<'p> {
                 );
                 error(Code::LoopLink, end.at, message, &help);
             }
-            index.map(|frame| LoopConstraintEnd { frame, pose: end.pose })
+            index.map(|link| LoopConstraintEnd { link, pose: end.pose })
         });
         if let [Some(a), Some(b)] = &ends
-            && carriers[a.frame] == carriers[b.frame]
+            && carriers[a.link] == carriers[b.link]
         {
-            let [a, b] = [a, b].map(|end| self.description.links[end.frame].name.text.as_str());
+            let [a, b] = [a, b].map(|end| self.description.links[end.link].name.text.as_str());
             let message = if a == b {
                 format!("it connects link `{a}` to itself")
             } else {

@@ -20,7 +20,7 @@ mod mimics;
 mod soft;
 mod tree;
 
-use modyn_runtime::model::{DEFAULT_GRAVITY, Frame, Inertial, Model, Spring};
+use modyn_runtime::model::{DEFAULT_GRAVITY, Inertial, Link, Model, Spring};
 
 use crate::check::{self, Body};
 use crate::description::{Description, Kind, Mimic, ReadOptions, SpringRecord};
@@ -87,9 +87,9 @@ fn model(
     let loop_constraints = loops::loop_constraints(description, &carriers, report);
     let contacts = contacts::contacts(description, &carriers, report);
     let errors = report.errors();
-    let frames = description.links.iter().zip(place).map(|(record, (link, pose))| Frame {
+    let frames = description.links.iter().zip(place).map(|(record, (link, pose))| Link {
         name: record.name.text.clone(),
-        link,
+        moving_link: link,
         pose,
         inertial: record.inertial.as_ref().map_or_else(Inertial::default, |record| record.inertial),
     });

@@ -18,13 +18,13 @@ pub fn constraints(
     let mut soft = description.soft.clone().unwrap_or_default();
     soft.ground = options.ground.map(|ground| ground.surface());
     soft.joint_friction &= options.joint_friction.is_none();
-    soft.shapes.retain(|shape| carriers[shape.end.frame].is_some());
+    soft.shapes.retain(|shape| carriers[shape.end.link].is_some());
     if options.ground.is_some() && soft.shapes.is_empty() && model.contacts().is_empty() {
         let message = "nothing touches the ground: no link that moves has a shape for contacts";
         let help = "describe collision shapes of the links, name `contacts`, or let the base float";
         report.add(Severity::Warning, Code::Option, description.at, None, message, help);
     }
-    let links = model.links().iter().enumerate();
+    let links = model.moving_links().iter().enumerate();
     let joints: FxHashMap<&str, usize> =
         links.map(|(joint, link)| (link.joint.name.as_str(), joint)).collect();
     let softnesses = description.softnesses.iter().filter_map(|(joint, record)| {
@@ -55,7 +55,7 @@ pub fn constraints(
     for joint in lengths.chain(sums).flat_map(|sum| &mut sum.joints) {
         let name = description.joints[joint.link].name.text.as_str();
         // The model refuses a joint that none of its links has.
-        joint.link = joints.get(name).copied().unwrap_or(model.links().len());
+        joint.link = joints.get(name).copied().unwrap_or(model.moving_links().len());
     }
     soft
 }

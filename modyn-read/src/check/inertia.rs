@@ -1,6 +1,6 @@
 //! Checks whether the masses and inertias of bodies are physical.
 
-use modyn_runtime::model::{Inertial, InertialDefect, Link, longest_path};
+use modyn_runtime::model::{Inertial, InertialDefect, MovingLink, longest_path};
 
 use super::{Body, LinkView};
 use crate::description::MAX_NUMBER;
@@ -102,7 +102,7 @@ fn fixed_names(fixed: &[LinkView]) -> String {
 }
 
 /// Warns of links whose mass is too large for their inertia. `links` are the robot's moving links.
-pub fn densities(bodies: &[Body], links: &[Link], report: &mut Report<'_>) {
+pub fn densities(bodies: &[Body], links: &[MovingLink], report: &mut Report<'_>) {
     let longest = longest_path(links);
     let size = if longest > 0.0 { longest } else { 1.0 };
     let mut places: Vec<Place> = Vec::new();

@@ -96,7 +96,7 @@ pub fn is_near(
 pub fn check_model(model: &Model, unphysical: Severity) -> Result<Vec<Diagnostic>, Diagnostics> {
     let mut report = Report::without_file();
     let bodies: Vec<Body> = model
-        .links()
+        .moving_links()
         .iter()
         .map(|link| {
             let dynamics = link.joint.dynamics;
@@ -118,13 +118,13 @@ pub fn check_model(model: &Model, unphysical: Severity) -> Result<Vec<Diagnostic
             Body { joint: Some(joint), links, known: true }
         })
         .collect();
-    for (link, body) in model.links().iter().zip(&bodies) {
+    for (link, body) in model.moving_links().iter().zip(&bodies) {
         let joint = Subject::Joint(link.joint.name.clone());
         is_near(&link.joint.origin, None, &joint, &mut report);
         motion::check_dynamics(&link.joint.dynamics, None, &joint, &mut report);
         inertia::check(body, &link.inertial, unphysical, &mut report);
     }
-    inertia::densities(&bodies, model.links(), &mut report);
+    inertia::densities(&bodies, model.moving_links(), &mut report);
     // With other errors the pivots have no meaning.
     if report.errors() == 0 {
         motion::check(&bodies, model, &mut report);

@@ -69,7 +69,7 @@ pub fn check(bodies: &[Body], model: &Model, report: &mut Report<'_>) {
     let mut singular = singular::singular_joints(model);
     singular.retain(|&i| judged[i]);
     inertia::warn_of_missing(bodies, &singular, report);
-    if singular.iter().all(|&i| is_massless(&model.links()[i].inertial)) {
+    if singular.iter().all(|&i| is_massless(&model.moving_links()[i].inertial)) {
         warn_of_kinematics_only(&singular, bodies, report);
         return;
     }
@@ -143,7 +143,7 @@ fn is_determined(bodies: &[Body], model: &Model) -> Vec<bool> {
         judged[leader] = false;
     }
     // Children come after their parents.
-    for (i, link) in model.links().iter().enumerate().rev() {
+    for (i, link) in model.moving_links().iter().enumerate().rev() {
         if let (false, Some(parent)) = (judged[i], link.parent) {
             judged[parent] = false;
         }
@@ -158,5 +158,5 @@ fn too_large(model: &Model) -> impl Iterator<Item = usize> {
         let mimic = model.mimic(*i);
         mimic.is_some_and(|m| !(m.multiplier.abs() < MAX_NUMBER && m.offset.abs() < MAX_NUMBER))
     };
-    (0..model.links().len()).filter(large)
+    (0..model.moving_links().len()).filter(large)
 }

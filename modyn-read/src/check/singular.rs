@@ -43,7 +43,7 @@ pub const CONFIGURATIONS: usize = 3;
 #[must_use]
 pub fn singular_joints(model: &Model) -> Vec<usize> {
     let is_independent = |i: &usize| model.mimic(*i).is_none();
-    let mut joints: Vec<usize> = (0..model.links().len()).filter(is_independent).collect();
+    let mut joints: Vec<usize> = (0..model.moving_links().len()).filter(is_independent).collect();
     for configuration in 0..CONFIGURATIONS {
         // Nearly always the case after the first configuration.
         if joints.is_empty() {
@@ -58,7 +58,7 @@ pub fn singular_joints(model: &Model) -> Vec<usize> {
 /// Returns, for each joint, whether one of its pivots is zero in this configuration.
 fn singular_pivots(model: &Model, configuration: usize) -> Vec<bool> {
     let mut rotors: Vec<f64> =
-        model.links().iter().map(|link| link.joint.dynamics.armature).collect();
+        model.moving_links().iter().map(|link| link.joint.dynamics.armature).collect();
     if model.has_mimics() {
         let pivots = least_pivots(model, configuration, &rotors);
         for (i, pivot) in pivots.into_iter().enumerate() {
@@ -74,7 +74,7 @@ fn singular_pivots(model: &Model, configuration: usize) -> Vec<bool> {
 /// Returns, for each joint, the smallest of its pivots in this configuration, with the rotor's
 /// inertia; zero for rounding noise.
 fn least_pivots(model: &Model, configuration: usize, rotors: &[f64]) -> Vec<f64> {
-    let links = model.links();
+    let links = model.moving_links();
     let mut bodies: Vec<ArticulatedState> =
         links.iter().map(|link| ArticulatedState::of_body(&link.inertial)).collect();
     let mut least = vec![f64::INFINITY; links.len()];

@@ -90,7 +90,7 @@ impl Collisions {
             };
             self.shapes.push(TouchingShape {
                 name,
-                end: LoopConstraintEnd { frame, pose },
+                end: LoopConstraintEnd { link: frame, pose },
                 shape: shape.clone(),
                 components: ContactComponents::Sliding,
                 surface: ContactSurface { radius, friction, ..*surface },

@@ -61,7 +61,7 @@ fn element(model: &Model, actuator: &Actuator) -> Option<Element> {
     if !actuator.enabled || is_ratio {
         return None;
     }
-    let joint = &*model.links()[link].joint.name;
+    let joint = &*model.moving_links()[link].joint.name;
     let lawful =
         law(actuator, |kind| Element::new(kind).with("name", &*actuator.name).with("joint", joint));
     let geared = match actuator.gear {

@@ -10,7 +10,7 @@ use modyn_runtime::conventions::{
 };
 use modyn_runtime::joint::{JointType, planar};
 use modyn_runtime::model::{
-    Cone, Frame, Inertial, Integrator, JointDynamics, Keyframe, LoopConstraintEnd,
+    Cone, Inertial, Integrator, JointDynamics, Keyframe, Link, LoopConstraintEnd,
     LoopConstraintKind, Model,
 };
 use modyn_runtime::spatial::Pose;
@@ -44,13 +44,13 @@ struct Writer<'m> {
 
 /// Returns the document of a robot.
 pub fn document(model: &Model) -> Document {
-    let links = model.links();
-    let names = model.frames().iter().map(|frame| &*frame.name);
+    let links = model.moving_links();
+    let names = model.links().iter().map(|link| &*link.name);
     let mut document = Document::new(Element::new("mujoco").with("model", model.name()));
     let mut places = Names::new(names.chain(links.iter().map(|link| &*link.name)).chain([WORLD]));
     let mut world_link = WORLD.to_owned();
-    let is_world = |frame: &Frame| frame.link.is_none() && frame.pose == Pose::identity();
-    if model.frames().iter().any(|frame| frame.name == WORLD && !is_world(frame)) {
+    let is_world = |frame: &Link| frame.moving_link.is_none() && frame.pose == Pose::identity();
+    if model.links().iter().any(|link| link.name == WORLD && !is_world(link)) {
         world_link = places.unique(format!("{WORLD}_frame"));
         document.notes.push(format!(
             "The link `{WORLD}` is called `{world_link}`: MuJoCo reserves the name."
@@ -84,18 +84,20 @@ pub fn document(model: &Model) -> Document {
 /// Returns, for each link, the links whose joints are joints of its body; none for a link without a
 /// body.
 fn bodies(model: &Model) -> Vec<Vec<usize>> {
-    let links = model.links();
+    let links = model.moving_links();
     let children = model.children();
     let of_loops = model.loop_constraints().iter().flat_map(|constraint| &constraint.ends);
     let of_contacts = model.contacts().iter().map(|contact| &contact.end);
     let of_shapes = model.soft_constraints().shapes.iter().map(|shape| &shape.end);
     let ends = of_loops.chain(of_contacts).chain(of_shapes);
-    let carries =
-        |link: usize, frame: &Frame| frame.link == Some(link) && frame.name != links[link].name;
+    let carries = |link: usize, frame: &Link| {
+        frame.moving_link == Some(link) && frame.name != links[link].name
+    };
     let mut is_needed = vec![false; links.len()];
-    ends.filter_map(|end| model.frames()[end.frame].link).for_each(|link| is_needed[link] = true);
-    for frame in model.frames() {
-        if let Some(link) = frame.link.filter(|&link| carries(link, frame)) {
+    ends.filter_map(|end| model.links()[end.link].moving_link)
+        .for_each(|link| is_needed[link] = true);
+    for frame in model.links() {
+        if let Some(link) = frame.moving_link.filter(|&link| carries(link, frame)) {
             is_needed[link] = true;
         }
     }
@@ -172,7 +174,7 @@ impl Writer<'_> {
             };
             assets.children.extend(written.mesh);
             // The frame is a body, since it carries a shape.
-            let name = self.place_name(&model.frames()[shape.end.frame].name);
+            let name = self.place_name(&model.links()[shape.end.link].name);
             if let Some(body) = world.find("body", name) {
                 let at = body.children.iter().position(|child| child.is("body"));
                 let geom = placed(written.geom, &shape.end.pose);
@@ -185,12 +187,12 @@ impl Writer<'_> {
 
     /// Returns `<worldbody>` with all bodies.
     fn world(&mut self) -> Element {
-        let links = self.model.links();
+        let links = self.model.moving_links();
         self.say_what_mujoco_refuses();
-        let mut frames: Vec<Vec<&Frame>> = vec![Vec::new(); links.len()];
+        let mut frames: Vec<Vec<&Link>> = vec![Vec::new(); links.len()];
         let mut world = Element::new("worldbody");
-        for frame in self.model.frames() {
-            match frame.link {
+        for frame in self.model.links() {
+            match frame.moving_link {
                 Some(link) if frame.name == links[link].name => {}
                 Some(link) => frames[link].push(frame),
                 None if frame.name == WORLD && frame.pose == Pose::identity() => {}
@@ -217,7 +219,7 @@ impl Writer<'_> {
 
     /// Returns the body of a link, without the bodies in it.
     fn body(&mut self, link: usize) -> Element {
-        let links = self.model.links();
+        let links = self.model.moving_links();
         let own_joints = self.joints[link].clone();
         let origins = own_joints.iter().map(|&i| &links[i].joint.origin);
         let pose = origins.fold(Pose::identity(), |pose, origin| pose.compose(origin));
@@ -231,7 +233,7 @@ impl Writer<'_> {
             _ => None,
         });
         let mut body = Element::new("body").with("name", name);
-        let compensation = self.compensation(self.model.frame_index(&links[link].name));
+        let compensation = self.compensation(self.model.link_index(&links[link].name));
         if compensation != 0.0 {
             body = body.numbers("gravcomp", &[compensation]);
         }
@@ -250,7 +252,7 @@ impl Writer<'_> {
     /// Returns the elements of a link's joint, whose frame has this pose in the body.
     fn joints_of(&mut self, link: usize, place: &Pose<f64>) -> Vec<Element> {
         let model = self.model;
-        let joint = &model.links()[link].joint;
+        let joint = &model.moving_links()[link].joint;
         let spring = model.spring(link);
         let JointDynamics { armature, damping, friction } = joint.dynamics;
         if let Some(velocity) = joint.limits.and_then(|limits| limits.velocity) {
@@ -319,7 +321,7 @@ impl Writer<'_> {
 
     /// Returns the element of a link's joint with its limits.
     fn limited(&mut self, link: usize, mut element: Element) -> Element {
-        let joint = &self.model.links()[link].joint;
+        let joint = &self.model.moving_links()[link].joint;
         if let Some([lower, upper]) = range(joint.limits.as_ref()) {
             if lower < upper {
                 element = element.numbers("range", &[lower, upper]);
@@ -349,7 +351,7 @@ impl Writer<'_> {
 
     /// Returns the joint of a floating link.
     fn floating(&mut self, link: usize) -> Vec<Element> {
-        let record = &self.model.links()[link];
+        let record = &self.model.moving_links()[link];
         let joint = &record.joint;
         let JointDynamics { armature, damping, friction } = joint.dynamics;
         if record.parent.is_some() || joint.origin != Pose::identity() {
@@ -379,11 +381,11 @@ impl Writer<'_> {
     }
 
     /// Returns a link that is fixed to another one, or to the world.
-    fn frame(&self, frame: &Frame) -> Element {
+    fn frame(&self, frame: &Link) -> Element {
         let name = self.place_name(&frame.name);
-        let index = self.model.frame_index(&frame.name);
+        let index = self.model.link_index(&frame.name);
         let mut shapes = self.model.soft_constraints().shapes.iter();
-        let touches = shapes.any(|shape| Some(shape.end.frame) == index);
+        let touches = shapes.any(|shape| Some(shape.end.link) == index);
         // The softness of contacts depends on the body of their shape.
         if is_massless(&frame.inertial) && !touches {
             return placed(Element::new("site").with("name", name), &frame.pose);
@@ -406,7 +408,7 @@ impl Writer<'_> {
     /// joints and loops.
     fn equality(&mut self, mut world: Element) -> (Element, Element) {
         let mut equality = Element::new("equality");
-        let links = self.model.links();
+        let links = self.model.moving_links();
         for link in links {
             let Some(mimic) = link.joint.mimic else { continue };
             let leader = &links[mimic.leader].joint.name;
@@ -459,7 +461,7 @@ impl Writer<'_> {
         let all = &self.model.actuation().actuators;
         let has_controls =
             actuators.children.len() == all.len() && all.iter().all(|actuator| actuator.delay == 0);
-        let links = self.model.links();
+        let links = self.model.moving_links();
         // From the last to the first, the bodies that are still to come; a body is followed by
         // those in it.
         let inside = |body: Option<usize>| {
@@ -496,7 +498,7 @@ impl Writer<'_> {
 
     /// Returns the velocities of a link's joint as MuJoCo has them.
     fn velocities(&self, link: usize, keyframe: &Keyframe) -> Vec<f64> {
-        if let Some(mimic) = self.model.links()[link].joint.mimic {
+        if let Some(mimic) = self.model.moving_links()[link].joint.mimic {
             let leader = self.velocities(mimic.leader, keyframe)[0];
             return vec![mimic.multiplier * leader];
         }
@@ -512,7 +514,7 @@ impl Writer<'_> {
 
     /// Returns the coordinates of a link's joint as MuJoCo has them.
     fn coordinates(&self, link: usize, q: &[f64]) -> Vec<f64> {
-        let joint = &self.model.links()[link].joint;
+        let joint = &self.model.moving_links()[link].joint;
         if let Some(mimic) = joint.mimic {
             let leader = self.coordinates(mimic.leader, q)[0];
             return vec![mimic.multiplier * leader + mimic.offset];
@@ -528,10 +530,12 @@ impl Writer<'_> {
 
     /// Adds a site at the end of a loop or contact to its body.
     fn add_site(&mut self, name: &str, end: &LoopConstraintEnd, world: &mut Element) {
-        let frame = &self.model.frames()[end.frame];
+        let frame = &self.model.links()[end.link];
         let site = placed(Element::new("site").with("name", name), &frame.pose.compose(&end.pose));
-        let body = match frame.link {
-            Some(link) => world.find("body", self.place_name(&self.model.links()[link].name)),
+        let body = match frame.moving_link {
+            Some(link) => {
+                world.find("body", self.place_name(&self.model.moving_links()[link].name))
+            }
             None => Some(world),
         };
         if let Some(body) = body {
@@ -549,7 +553,7 @@ impl Writer<'_> {
 
     /// Notes links without a body, and bodies that MuJoCo refuses.
     fn say_what_mujoco_refuses(&mut self) {
-        let links = self.model.links();
+        let links = self.model.moving_links();
         let is_merged = |i: &usize| self.joints[*i].is_empty();
         let merged: Vec<usize> = (0..links.len()).filter(is_merged).collect();
         let many = merged.len() != 1;
@@ -581,8 +585,8 @@ impl Writer<'_> {
 
 /// Returns the inertia of a link by itself, without the links that are fixed to it.
 fn own_inertial(model: &Model, link: usize) -> Inertial {
-    let link = &model.links()[link];
-    let carrier = model.frames().iter().find(|frame| frame.name == link.name);
+    let link = &model.moving_links()[link];
+    let carrier = model.links().iter().find(|frame| frame.name == link.name);
     carrier.map_or(link.inertial, |frame| frame.inertial)
 }
 

@@ -59,7 +59,7 @@ impl Document {
 /// let model = read(sdf, "pendulum.sdf", &Default::default())?.model;
 /// let written = write(&model, Format::Urdf)?;
 /// let again = read(&written.text, "pendulum.urdf", &Default::default())?.model;
-/// assert_eq!(again.links()[0].inertial, model.links()[0].inertial);
+/// assert_eq!(again.moving_links()[0].inertial, model.moving_links()[0].inertial);
 /// # Ok(())
 /// # }
 /// ```

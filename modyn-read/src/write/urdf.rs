@@ -16,16 +16,16 @@ use crate::diagnostics::{Code, Diagnostic, listed};
 /// Returns the document of a robot.
 pub fn document(model: &Model) -> Document {
     let mut document = Document::new(Element::new("robot").with("name", model.name()));
-    let links = model.links();
-    let frames = model.frames();
+    let links = model.moving_links();
+    let frames = model.links();
     let mut names = Names::new(
         frames.iter().map(|frame| &*frame.name).chain(links.iter().map(|link| &*link.name)),
     );
     let fixed_frame =
-        frames.iter().find(|frame| frame.link.is_none() && frame.pose == Pose::identity());
+        frames.iter().find(|frame| frame.moving_link.is_none() && frame.pose == Pose::identity());
     let root = fixed_frame.map_or_else(|| names.unique("world".into()), |frame| frame.name.clone());
     let elements = &mut document.root.children;
-    if model.frame_index(&root).is_none() {
+    if model.link_index(&root).is_none() {
         elements.push(Element::new("link").with("name", &*root));
         document.notes.push(format!(
             "The link `{root}` is added: the robot is connected to it, as a URDF needs it."
@@ -35,7 +35,7 @@ pub fn document(model: &Model) -> Document {
     let mut collisions: Vec<Vec<Element>> = frames.iter().map(|_| Vec::new()).collect();
     for shape in shapes::solids(model) {
         match collision(shape) {
-            Some(element) => collisions[shape.end.frame].push(element),
+            Some(element) => collisions[shape.end.link].push(element),
             None => left_out.push(shape),
         }
     }
@@ -44,7 +44,7 @@ pub fn document(model: &Model) -> Document {
         element.children.extend(collisions);
         elements.push(element);
     }
-    for moving in links.iter().filter(|moving| model.frame_index(&moving.name).is_none()) {
+    for moving in links.iter().filter(|moving| model.link_index(&moving.name).is_none()) {
         elements.push(link(&moving.name, &moving.inertial));
     }
     let mut joints = Names::new(links.iter().map(|link| &*link.joint.name));
@@ -53,7 +53,7 @@ pub fn document(model: &Model) -> Document {
         elements.push(joint(model, &moving.joint, parent, &moving.name));
     }
     for frame in frames {
-        let carrier = frame.link.map_or(&*root, |link| &links[link].name);
+        let carrier = frame.moving_link.map_or(&*root, |link| &links[link].name);
         if carrier == frame.name {
             continue;
         }
@@ -72,7 +72,7 @@ pub fn document(model: &Model) -> Document {
     document.notes.extend(note_on_laws(model));
     let elements = &mut document.root.children;
     elements.extend(frictions(model));
-    let frame_name = |end: &LoopConstraintEnd| &*frames[end.frame].name;
+    let frame_name = |end: &LoopConstraintEnd| &*frames[end.link].name;
     for constraint in model.loop_constraints() {
         let kind = constraint.kind;
         let mut element =
@@ -96,11 +96,11 @@ pub fn document(model: &Model) -> Document {
 /// Adds an error for springs and for gravity compensation.
 fn refuse_passive_forces(model: &Model, errors: &mut Vec<Diagnostic>) {
     let springs = model.springs().iter().filter(|spring| spring.stiffness != 0.0);
-    let joints = springs.map(|spring| &*model.links()[spring.link].joint.name);
-    let compensated = model.frames().iter().zip(model.gravity_compensation());
+    let joints = springs.map(|spring| &*model.moving_links()[spring.link].joint.name);
+    let compensated = model.links().iter().zip(model.gravity_compensation());
     let links = compensated
         .filter(|(frame, factor)| {
-            **factor != 0.0 && frame.link.is_some() && frame.inertial.mass != 0.0
+            **factor != 0.0 && frame.moving_link.is_some() && frame.inertial.mass != 0.0
         })
         .map(|(frame, _)| &*frame.name);
     let unwritten = [
@@ -116,13 +116,14 @@ fn refuse_passive_forces(model: &Model, errors: &mut Vec<Diagnostic>) {
 
 /// Notes the parts of a robot that other readers of URDF do not know.
 fn note_extensions(model: &Model, notes: &mut Vec<String>) {
-    let has = |joint_type| model.links().iter().any(|link| link.joint.joint_type == joint_type);
+    let has =
+        |joint_type| model.moving_links().iter().any(|link| link.joint.joint_type == joint_type);
     let features = [
         (has(JointType::Spherical), "joints of type `spherical`"),
         (has(JointType::Universal), "joints of type `universal`"),
         (!model.loop_constraints().is_empty(), "`<loop_joint>`"),
         (!model.contacts().is_empty(), "`<contact_frame>`"),
-        (model.links().iter().any(|link| link.joint.dynamics.armature != 0.0), "`armature`"),
+        (model.moving_links().iter().any(|link| link.joint.dynamics.armature != 0.0), "`armature`"),
     ];
     let used: Vec<&str> =
         features.into_iter().filter(|(used, _)| *used).map(|(_, what)| what).collect();
@@ -143,8 +144,8 @@ fn collision(shape: &TouchingShape) -> Option<Element> {
 /// Returns the friction of links by Gazebo's extension, where all shapes of a link have the same.
 fn frictions(model: &Model) -> Vec<Element> {
     let mut elements = Vec::new();
-    for (index, frame) in model.frames().iter().enumerate() {
-        let on_frame = |shape: &&TouchingShape| shape.end.frame == index;
+    for (index, frame) in model.links().iter().enumerate() {
+        let on_frame = |shape: &&TouchingShape| shape.end.link == index;
         let shapes = model.soft_constraints().shapes.iter();
         let mut coefficients = shapes.filter(on_frame).map(|shape| shape.surface.friction);
         let Some(first) = coefficients.next() else { continue };
@@ -163,7 +164,7 @@ fn note_on_laws(model: &Model) -> Option<String> {
     let default = ContactSurface::<f64>::GROUND;
     let shapes = &model.soft_constraints().shapes;
     let friction = |shape: &TouchingShape| {
-        let on_link = shapes.iter().filter(|other| other.end.frame == shape.end.frame);
+        let on_link = shapes.iter().filter(|other| other.end.link == shape.end.link);
         let mut coefficients = on_link.map(|other| other.surface.friction);
         coefficients.all(|other| other == shape.surface.friction)
     };
@@ -215,7 +216,7 @@ fn joint(model: &Model, joint: &Joint, parent: &str, child: &str) -> Element {
         .then(|| Element::new("axis2").numbers("xyz", &joint.second_axis));
     let mimic = joint.mimic.map(|mimic| {
         Element::new("mimic")
-            .with("joint", &*model.links()[mimic.leader].joint.name)
+            .with("joint", &*model.moving_links()[mimic.leader].joint.name)
             .numbers("multiplier", &[mimic.multiplier])
             .numbers("offset", &[mimic.offset])
     });

@@ -3,14 +3,16 @@
 use modyn_read::diagnostics::{Code, Diagnostics, Severity};
 use modyn_read::internals::check_model;
 use modyn_runtime::joint::JointType;
-use modyn_runtime::model::{DEFAULT_GRAVITY, Inertial, Joint, JointDynamics, Link, Mimic, Model};
+use modyn_runtime::model::{
+    DEFAULT_GRAVITY, Inertial, Joint, JointDynamics, Mimic, Model, MovingLink,
+};
 use modyn_runtime::spatial::Pose;
 
 /// Returns the codes of two bodies on the world, the first changed by `change`.
-fn codes(change: impl Fn(&mut Link)) -> Vec<Code> {
+fn codes(change: impl Fn(&mut MovingLink)) -> Vec<Code> {
     let body =
         Inertial { mass: 1.0, inertia: [1.0, 0.0, 0.0, 1.0, 0.0, 1.0], ..Inertial::default() };
-    let link = |i: usize| Link {
+    let link = |i: usize| MovingLink {
         name: format!("l{i}"),
         parent: None,
         joint: Joint::new(format!("j{i}"), JointType::Revolute, [0.0, 0.0, 1.0], Pose::identity()),

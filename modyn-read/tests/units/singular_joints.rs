@@ -4,7 +4,9 @@ use modyn_read::internals::{
     CONFIGURATIONS, UNITS, Vec3, articulated, coordinates, motions, rotation, singular_joints,
 };
 use modyn_runtime::joint::JointType;
-use modyn_runtime::model::{DEFAULT_GRAVITY, Inertial, Joint, JointDynamics, Link, Mimic, Model};
+use modyn_runtime::model::{
+    DEFAULT_GRAVITY, Inertial, Joint, JointDynamics, Mimic, Model, MovingLink,
+};
 use modyn_runtime::spatial::{Matrix3, Pose, Twist, Vector3};
 
 const TYPES: [JointType; 6] = [
@@ -30,7 +32,7 @@ impl PseudoRandom {
         [UNITS[0], UNITS[1], UNITS[2], [0.6, 0.0, -0.8]][self.below(4)]
     }
 
-    fn link(&mut self, i: usize) -> Link {
+    fn link(&mut self, i: usize) -> MovingLink {
         let kinds = [6, 3, 3][self.below(3)];
         let joint_type = TYPES[self.below(kinds)];
         let axis = self.axis();
@@ -55,7 +57,7 @@ impl PseudoRandom {
             _ => Inertial::default(),
         };
         let parent = i.checked_sub(1);
-        Link { name: format!("l{i}"), parent, joint, inertial }
+        MovingLink { name: format!("l{i}"), parent, joint, inertial }
     }
 
     /// Returns a chain of up to four links.
@@ -70,7 +72,7 @@ fn mass_matrix(model: &Model, configuration: usize) -> Vec<Vec<f64>> {
     let mut matrix = vec![vec![0.0; model.nv()]; model.nv()];
     // The unit motions of all joints so far, in the link's frame.
     let mut jacobian: Vec<Twist<f64>> = Vec::new();
-    for (i, link) in model.links().iter().enumerate() {
+    for (i, link) in model.moving_links().iter().enumerate() {
         let (own, pose) = motions(&link.joint, &coordinates(model, i, configuration));
         let pose = link.joint.origin.compose(&pose);
         let back = Matrix3(pose.rotation).transposed();
@@ -130,11 +132,11 @@ fn a_joint_is_singular_exactly_where_the_mass_matrix_is_singular() {
         }
         let singular = pivots.iter().any(|&pivot| pivot <= 1e-13);
         let found = !singular_joints(&model).is_empty();
-        assert!(singular || !found, "{:#?}", model.links());
+        assert!(singular || !found, "{:#?}", model.moving_links());
         // Through several consecutive massless links, rounding errors can exceed their estimate.
-        let massless = |link: &Link| link.inertial.mass == 0.0;
-        if model.links().windows(2).all(|pair| !pair.iter().all(massless)) {
-            assert_eq!(singular, found, "{:#?}", model.links());
+        let massless = |link: &MovingLink| link.inertial.mass == 0.0;
+        if model.moving_links().windows(2).all(|pair| !pair.iter().all(massless)) {
+            assert_eq!(singular, found, "{:#?}", model.moving_links());
             count[usize::from(singular)] += 1;
         }
     }
@@ -202,7 +204,7 @@ fn a_leader_moves_the_inertia_of_its_followers() {
     let link = |i: usize, inertial, mimic: Option<Mimic>| {
         let mut joint = Joint::new(format!("j{i}"), TYPES[0], UNITS[2], Pose::identity());
         joint.mimic = mimic;
-        Link { name: format!("l{i}"), parent: None, joint, inertial }
+        MovingLink { name: format!("l{i}"), parent: None, joint, inertial }
     };
     let singular = |inertials: [Inertial; 2], multiplier| {
         let mimic = Mimic { leader: 0, multiplier, offset: 0.0 };

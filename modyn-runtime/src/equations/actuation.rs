@@ -61,7 +61,7 @@ impl<S: Scalar> ActuationWorkspace<S> {
             inputs: vec![S::zero(); actuators],
             forces: vec![S::zero(); actuators],
             line_ends: vec![None; actuators],
-            joint_forces: vec![S::zero(); model.links().len()],
+            joint_forces: vec![S::zero(); model.moving_links().len()],
         }
     }
 }

@@ -40,7 +40,7 @@ impl<S: Scalar> Interpreter<S> {
 
     /// Computes the joint accelerations `qdd` under the joint forces `tau` and external wrenches
     /// `forces`: one wrench for each link of the description, fixed links included, in the order of
-    /// [`Model::frames`](crate::model::Model::frames).
+    /// [`Model::links`](crate::model::Model::links).
     ///
     /// # Errors
     ///
@@ -106,7 +106,7 @@ impl<S: Scalar> Interpreter<S> {
 
     /// Computes the joint forces `tau` of the accelerations `qdd` under external wrenches `forces`:
     /// one wrench for each link of the description, fixed links included, in the order of
-    /// [`Model::frames`](crate::model::Model::frames).
+    /// [`Model::links`](crate::model::Model::links).
     ///
     /// # Errors
     ///

@@ -60,11 +60,11 @@ impl core::error::Error for ModuleMismatch {}
 /// function.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
-pub enum FrameError {
+pub enum LinkError {
     /// There is no link with this index.
-    NoFrame {
+    NoLink {
         /// The index.
-        frame: usize,
+        link: usize,
         /// The number of links of the description.
         count: usize,
     },
@@ -77,11 +77,11 @@ pub enum FrameError {
     },
 }
 
-impl fmt::Display for FrameError {
+impl fmt::Display for LinkError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::NoFrame { frame, count } => {
-                write!(f, "there is no link {frame}; the description has {count}")
+            Self::NoLink { link, count } => {
+                write!(f, "there is no link {link}; the description has {count}")
             }
             Self::Shape(error) => error.fmt(f),
             Self::NoInertia { joint } => write!(
@@ -93,16 +93,16 @@ impl fmt::Display for FrameError {
     }
 }
 
-impl core::error::Error for FrameError {
+impl core::error::Error for LinkError {
     fn source(&self) -> Option<&(dyn core::error::Error + 'static)> {
         match self {
-            Self::NoFrame { .. } | Self::NoInertia { .. } => None,
+            Self::NoLink { .. } | Self::NoInertia { .. } => None,
             Self::Shape(error) => Some(error),
         }
     }
 }
 
-impl From<ShapeError> for FrameError {
+impl From<ShapeError> for LinkError {
     fn from(error: ShapeError) -> Self {
         Self::Shape(error)
     }

@@ -19,9 +19,9 @@ use crate::spatial::RigidInertia;
 #[non_exhaustive]
 pub enum InertialError<S = f64> {
     /// There is no link with this index.
-    NoFrame {
+    NoLink {
         /// The index.
-        frame: usize,
+        link: usize,
         /// The number of links of the description.
         count: usize,
     },
@@ -43,8 +43,8 @@ impl<S> From<InertialDefect<S>> for InertialError<S> {
 impl<S: fmt::Display + fmt::LowerExp> fmt::Display for InertialError<S> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::NoFrame { frame, count } => {
-                write!(f, "there is no link {frame}; the description has {count}")
+            Self::NoLink { link, count } => {
+                write!(f, "there is no link {link}; the description has {count}")
             }
             Self::Defect(defect) => defect.fmt(f),
             Self::NoInertia { joint } => write_no_inertia(f, joint),
@@ -58,7 +58,7 @@ impl<S: fmt::Debug + fmt::Display + fmt::LowerExp + 'static> core::error::Error
     fn source(&self) -> Option<&(dyn core::error::Error + 'static)> {
         match self {
             Self::Defect(defect) => Some(defect),
-            Self::NoFrame { .. } | Self::NoInertia { .. } => None,
+            Self::NoLink { .. } | Self::NoInertia { .. } => None,
         }
     }
 }
@@ -106,8 +106,8 @@ impl<S: Scalar + PartialOrd> Inertias<S> {
             let alone = inertia_without(model, link, |_| true);
             rest[body] = alone.placed(&exact.bodies[body].link).map(S::from_f64);
         }
-        let links = model.frames().iter().map(|frame| {
-            let described = frame.inertial.map(S::from_f64);
+        let links = model.links().iter().map(|link| {
+            let described = link.inertial.map(S::from_f64);
             [described, described, Inertial::default()]
         });
         let mut workspace = PivotWorkspace::new(mechanism);
@@ -173,7 +173,7 @@ pub(super) fn joint_without_inertia<S: Scalar + PartialOrd>(
 ) -> Option<usize> {
     let body = |link: usize| &mechanism.bodies[mechanism.links[link]];
     let is_massless = |link: &usize| body(*link).inertia == RigidInertia::zero();
-    let mut massless = (0..model.links().len()).filter(is_massless).peekable();
+    let mut massless = (0..model.moving_links().len()).filter(is_massless).peekable();
     // Nearly always the case.
     massless.peek()?;
     let mut pivots = vec![S::zero(); mechanism.nv];
@@ -192,7 +192,7 @@ fn is_positive<S: Scalar + PartialOrd>(pivot: S) -> bool {
 /// Returns the link whose joint has entry `v` of qd.
 fn link_of(model: &Model, v: usize) -> Option<usize> {
     let moves = |link: &usize| model.mimic(*link).is_none() && model.v_range(*link).contains(&v);
-    (0..model.links().len()).find(moves)
+    (0..model.moving_links().len()).find(moves)
 }
 
 impl<S: Scalar + PartialOrd> Interpreter<S> {
@@ -204,9 +204,9 @@ impl<S: Scalar + PartialOrd> Interpreter<S> {
         let mut parameters = self.model.inertial_parameters(link)?.map(S::from_f64);
         let Some(inertias) = &self.inertias else { return Some(parameters) };
         for (frame, [described, link_inertial, payload]) in
-            self.model.frames().iter().zip(&inertias.links)
+            self.model.links().iter().zip(&inertias.links)
         {
-            if frame.link != Some(link) {
+            if frame.moving_link != Some(link) {
                 continue;
             }
             let pose = frame.pose.map(S::from_f64);
@@ -220,8 +220,8 @@ impl<S: Scalar + PartialOrd> Interpreter<S> {
         Some(parameters)
     }
 
-    /// Replaces the own inertia of link `frame` of the description (an index into
-    /// [`Model::frames`]). `inertial` is in the link's frame.
+    /// Replaces the own inertia of this link of the description (an index into
+    /// [`Model::links`]). `inertial` is in the link's frame.
     ///
     /// Links that are fixed to the link keep their inertia, and the link keeps its
     /// [payload](Self::set_payload). All inertias are summed from the description: after any number
@@ -234,13 +234,13 @@ impl<S: Scalar + PartialOrd> Interpreter<S> {
     /// inertia in the description would move none. After an error nothing has changed.
     pub fn set_inertial(
         &mut self,
-        frame: usize,
+        link: usize,
         inertial: &Inertial<S>,
     ) -> Result<(), InertialError<S>> {
-        self.set_inertial_of_kind(frame, InertialKind::Own, inertial)
+        self.set_inertial_of_kind(link, InertialKind::Own, inertial)
     }
 
-    /// Sets the payload of link `frame` of the description (an index into [`Model::frames`]): an
+    /// Sets the payload of this link of the description (an index into [`Model::links`]): an
     /// inertia in the link's frame that is added to the link's own. [`Inertial::default`] removes
     /// the payload.
     ///
@@ -250,7 +250,7 @@ impl<S: Scalar + PartialOrd> Interpreter<S> {
     ///
     /// // A pendulum: 2 kg, 0.5 m below its joint.
     /// let mut pendulum = Interpreter::<f64>::new(model);
-    /// let bob = pendulum.model().frame_index("bob").expect("a link");
+    /// let bob = pendulum.model().link_index("bob").expect("a link");
     /// let load = Inertial { mass: 2.0, ..Inertial::default() };
     /// pendulum.set_payload(bob, &load).expect("a physical inertia");
     /// let mut columns = [0.0];
@@ -264,21 +264,21 @@ impl<S: Scalar + PartialOrd> Interpreter<S> {
     /// As for [`set_inertial`](Self::set_inertial).
     pub fn set_payload(
         &mut self,
-        frame: usize,
+        link: usize,
         payload: &Inertial<S>,
     ) -> Result<(), InertialError<S>> {
-        self.set_inertial_of_kind(frame, InertialKind::Payload, payload)
+        self.set_inertial_of_kind(link, InertialKind::Payload, payload)
     }
 
     fn set_inertial_of_kind(
         &mut self,
-        frame: usize,
+        link: usize,
         part: InertialKind,
         inertial: &Inertial<S>,
     ) -> Result<(), InertialError<S>> {
-        let count = self.model.frames().len();
-        if frame >= count {
-            return Err(InertialError::NoFrame { frame, count });
+        let count = self.model.links().len();
+        if link >= count {
+            return Err(InertialError::NoLink { link, count });
         }
         if let Some(defect) = inertial.defect() {
             return Err(defect.into());
@@ -289,16 +289,16 @@ impl<S: Scalar + PartialOrd> Interpreter<S> {
             InertialKind::Own => 1,
             InertialKind::Payload => 2,
         };
-        let before = core::mem::replace(&mut inertias.links[frame][at], *inertial);
+        let before = core::mem::replace(&mut inertias.links[link][at], *inertial);
         inertias.update_bodies(mechanism);
         let Some(v) = inertias.first_singular(mechanism) else {
             *without_inertia = joint_without_inertia(model, mechanism);
             return Ok(());
         };
-        inertias.links[frame][at] = before;
+        inertias.links[link][at] = before;
         inertias.update_bodies(mechanism);
         let joint = link_of(model, v)
-            .map(|link| model.links()[link].joint.name.clone())
+            .map(|link| model.moving_links()[link].joint.name.clone())
             .unwrap_or_default();
         Err(InertialError::NoInertia { joint })
     }

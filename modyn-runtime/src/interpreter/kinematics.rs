@@ -1,25 +1,25 @@
 //! Poses, motion and Jacobians of the links.
 
 use super::Interpreter;
-use super::errors::{FrameError, ShapeError, check};
+use super::errors::{LinkError, ShapeError, check};
 use crate::Scalar;
 use crate::equations::kinematics::{self, Axes};
 use crate::equations::{Motion, State};
 use crate::spatial::{Pose, Twist};
 
-/// Functions of one link. `frame` is the link's index in
-/// [`Model::frames`](crate::model::Model::frames), which
-/// [`Model::frame_index`](crate::model::Model::frame_index) finds by name; fixed links have one,
+/// Functions of one link. `link` is the link's index in
+/// [`Model::links`](crate::model::Model::links), which
+/// [`Model::link_index`](crate::model::Model::link_index) finds by name; fixed links have one,
 /// too. Motion is the motion of the link's origin; a link that is fixed to the world does not move.
 /// A call takes time linear in the depth of the link, apart from zero columns.
 impl<S: Scalar> Interpreter<S> {
-    fn check_frame(&self, frame: usize) -> Result<(), FrameError> {
+    fn check_link(&self, link: usize) -> Result<(), LinkError> {
         let count = self.mechanism.frames.len();
-        if frame < count { Ok(()) } else { Err(FrameError::NoFrame { frame, count }) }
+        if link < count { Ok(()) } else { Err(LinkError::NoLink { link, count }) }
     }
 
-    fn check_link_state(&self, frame: usize, state: State<'_, S>) -> Result<(), FrameError> {
-        self.check_frame(frame)?;
+    fn check_link_state(&self, link: usize, state: State<'_, S>) -> Result<(), LinkError> {
+        self.check_link(link)?;
         Ok(self.check_state(state)?)
     }
 
@@ -31,19 +31,19 @@ impl<S: Scalar> Interpreter<S> {
     ///
     /// // A pendulum: 2 kg, 0.5 m below its joint.
     /// let pendulum = Interpreter::<f64>::new(model);
-    /// let bob = pendulum.model().frame_index("bob").expect("a link");
+    /// let bob = pendulum.model().link_index("bob").expect("a link");
     /// let pose = pendulum.link_pose(&[0.0], bob)?;
     /// assert!((pose.translation[2] + 0.5).abs() < 1e-12);
-    /// # Ok::<(), modyn_runtime::FrameError>(())
+    /// # Ok::<(), modyn_runtime::LinkError>(())
     /// ```
     ///
     /// # Errors
     ///
     /// If there is no such link, or if a slice does not have the model's length.
-    pub fn link_pose(&self, q: &[S], frame: usize) -> Result<Pose<S>, FrameError> {
-        self.check_frame(frame)?;
+    pub fn link_pose(&self, q: &[S], link: usize) -> Result<Pose<S>, LinkError> {
+        self.check_link(link)?;
         self.check_coordinates(q)?;
-        Ok(kinematics::link_pose(&self.mechanism, frame, q))
+        Ok(kinematics::link_pose(&self.mechanism, link, q))
     }
 
     /// Returns the velocity of a link relative to the world, at the link's origin in world axes,
@@ -55,22 +55,17 @@ impl<S: Scalar> Interpreter<S> {
     ///
     /// // A pendulum: 2 kg, 0.5 m below its joint.
     /// let mut pendulum = Interpreter::<f64>::new(model);
-    /// let bob = pendulum.model().frame_index("bob").expect("a link");
+    /// let bob = pendulum.model().link_index("bob").expect("a link");
     /// let twist = pendulum.link_velocity(&[0.0], &[2.0], bob)?;
     /// assert!((twist.angular[1] - 2.0).abs() < 1e-12 && (twist.linear[0] + 1.0).abs() < 1e-12);
-    /// # Ok::<(), modyn_runtime::FrameError>(())
+    /// # Ok::<(), modyn_runtime::LinkError>(())
     /// ```
     ///
     /// # Errors
     ///
     /// If there is no such link, or if a slice does not have the model's length.
-    pub fn link_velocity(
-        &mut self,
-        q: &[S],
-        qd: &[S],
-        frame: usize,
-    ) -> Result<Twist<S>, FrameError> {
-        self.velocity(q, qd, frame, Axes::World)
+    pub fn link_velocity(&mut self, q: &[S], qd: &[S], link: usize) -> Result<Twist<S>, LinkError> {
+        self.velocity(q, qd, link, Axes::World)
     }
 
     /// Returns the velocity of a link relative to the world, at the link's origin in the link's own
@@ -83,21 +78,21 @@ impl<S: Scalar> Interpreter<S> {
         &mut self,
         q: &[S],
         qd: &[S],
-        frame: usize,
-    ) -> Result<Twist<S>, FrameError> {
-        self.velocity(q, qd, frame, Axes::Link)
+        link: usize,
+    ) -> Result<Twist<S>, LinkError> {
+        self.velocity(q, qd, link, Axes::Link)
     }
 
     fn velocity(
         &mut self,
         q: &[S],
         qd: &[S],
-        frame: usize,
+        link: usize,
         axes: Axes,
-    ) -> Result<Twist<S>, FrameError> {
-        self.check_link_state(frame, State { q, qd })?;
+    ) -> Result<Twist<S>, LinkError> {
+        self.check_link_state(link, State { q, qd })?;
         let Self { mechanism, workspace, .. } = self;
-        Ok(kinematics::link_velocity(mechanism, frame, State { q, qd }, axes, workspace))
+        Ok(kinematics::link_velocity(mechanism, link, State { q, qd }, axes, workspace))
     }
 
     /// Returns the angular acceleration of a link, rad/s^2, and the classical acceleration of its
@@ -111,9 +106,9 @@ impl<S: Scalar> Interpreter<S> {
         q: &[S],
         qd: &[S],
         qdd: &[S],
-        frame: usize,
-    ) -> Result<Twist<S>, FrameError> {
-        self.acceleration(Motion { q, qd, qdd }, frame, Axes::World)
+        link: usize,
+    ) -> Result<Twist<S>, LinkError> {
+        self.acceleration(Motion { q, qd, qdd }, link, Axes::World)
     }
 
     /// Returns the angular acceleration of a link and the classical acceleration of its origin, in
@@ -127,21 +122,21 @@ impl<S: Scalar> Interpreter<S> {
         q: &[S],
         qd: &[S],
         qdd: &[S],
-        frame: usize,
-    ) -> Result<Twist<S>, FrameError> {
-        self.acceleration(Motion { q, qd, qdd }, frame, Axes::Link)
+        link: usize,
+    ) -> Result<Twist<S>, LinkError> {
+        self.acceleration(Motion { q, qd, qdd }, link, Axes::Link)
     }
 
     fn acceleration(
         &mut self,
         Motion { q, qd, qdd }: Motion<'_, S>,
-        frame: usize,
+        link: usize,
         axes: Axes,
-    ) -> Result<Twist<S>, FrameError> {
-        self.check_link_state(frame, State { q, qd })?;
+    ) -> Result<Twist<S>, LinkError> {
+        self.check_link_state(link, State { q, qd })?;
         self.check_vectors(&[("qdd", qdd)])?;
         let Self { mechanism, workspace, .. } = self;
-        Ok(kinematics::link_acceleration(mechanism, frame, Motion { q, qd, qdd }, axes, workspace))
+        Ok(kinematics::link_acceleration(mechanism, link, Motion { q, qd, qdd }, axes, workspace))
     }
 
     /// Computes the Jacobian J of a link into `columns` (nv), at the link's origin in world axes
@@ -153,11 +148,11 @@ impl<S: Scalar> Interpreter<S> {
     ///
     /// // A pendulum: 2 kg, 0.5 m below its joint.
     /// let mut pendulum = Interpreter::<f64>::new(model);
-    /// let bob = pendulum.model().frame_index("bob").expect("a link");
+    /// let bob = pendulum.model().link_index("bob").expect("a link");
     /// let mut columns = [modyn_runtime::Twist::zero()];
     /// pendulum.jacobian(&[0.0], bob, &mut columns)?;
     /// assert!((columns[0].angular[1] - 1.0).abs() < 1e-12 && (columns[0].linear[0] + 0.5).abs() < 1e-12);
-    /// # Ok::<(), modyn_runtime::FrameError>(())
+    /// # Ok::<(), modyn_runtime::LinkError>(())
     /// ```
     ///
     /// # Errors
@@ -166,10 +161,10 @@ impl<S: Scalar> Interpreter<S> {
     pub fn jacobian(
         &mut self,
         q: &[S],
-        frame: usize,
+        link: usize,
         columns: &mut [Twist<S>],
-    ) -> Result<(), FrameError> {
-        self.jacobian_in(q, frame, Axes::World, columns)
+    ) -> Result<(), LinkError> {
+        self.jacobian_in(q, link, Axes::World, columns)
     }
 
     /// Computes the Jacobian J of a link into `columns` (nv), at the link's origin in the link's
@@ -181,24 +176,24 @@ impl<S: Scalar> Interpreter<S> {
     pub fn jacobian_local(
         &mut self,
         q: &[S],
-        frame: usize,
+        link: usize,
         columns: &mut [Twist<S>],
-    ) -> Result<(), FrameError> {
-        self.jacobian_in(q, frame, Axes::Link, columns)
+    ) -> Result<(), LinkError> {
+        self.jacobian_in(q, link, Axes::Link, columns)
     }
 
     fn jacobian_in(
         &mut self,
         q: &[S],
-        frame: usize,
+        link: usize,
         axes: Axes,
         columns: &mut [Twist<S>],
-    ) -> Result<(), FrameError> {
-        self.check_frame(frame)?;
+    ) -> Result<(), LinkError> {
+        self.check_link(link)?;
         self.check_coordinates(q)?;
         check("columns", columns, self.model.nv())?;
         let Self { mechanism, workspace, .. } = self;
-        kinematics::jacobian(mechanism, frame, q, axes, workspace, columns);
+        kinematics::jacobian(mechanism, link, q, axes, workspace, columns);
         Ok(())
     }
 
@@ -213,10 +208,10 @@ impl<S: Scalar> Interpreter<S> {
         &mut self,
         q: &[S],
         qd: &[S],
-        frame: usize,
+        link: usize,
         columns: &mut [Twist<S>],
-    ) -> Result<(), FrameError> {
-        self.jacobian_time_derivative_in(State { q, qd }, frame, Axes::World, columns)
+    ) -> Result<(), LinkError> {
+        self.jacobian_time_derivative_in(State { q, qd }, link, Axes::World, columns)
     }
 
     /// Computes the time derivative dJ/dt of a link's [`jacobian_local`](Self::jacobian_local) J,
@@ -230,24 +225,24 @@ impl<S: Scalar> Interpreter<S> {
         &mut self,
         q: &[S],
         qd: &[S],
-        frame: usize,
+        link: usize,
         columns: &mut [Twist<S>],
-    ) -> Result<(), FrameError> {
-        self.jacobian_time_derivative_in(State { q, qd }, frame, Axes::Link, columns)
+    ) -> Result<(), LinkError> {
+        self.jacobian_time_derivative_in(State { q, qd }, link, Axes::Link, columns)
     }
 
     fn jacobian_time_derivative_in(
         &mut self,
         State { q, qd }: State<'_, S>,
-        frame: usize,
+        link: usize,
         axes: Axes,
         columns: &mut [Twist<S>],
-    ) -> Result<(), FrameError> {
-        self.check_link_state(frame, State { q, qd })?;
+    ) -> Result<(), LinkError> {
+        self.check_link_state(link, State { q, qd })?;
         check("columns", columns, self.model.nv())?;
         let Self { mechanism, workspace, .. } = self;
         let state = State { q, qd };
-        kinematics::jacobian_time_derivative(mechanism, frame, state, axes, workspace, columns);
+        kinematics::jacobian_time_derivative(mechanism, link, state, axes, workspace, columns);
         Ok(())
     }
 
@@ -261,9 +256,9 @@ impl<S: Scalar> Interpreter<S> {
         &mut self,
         q: &[S],
         qd: &[S],
-        frame: usize,
-    ) -> Result<Twist<S>, FrameError> {
-        self.jacobian_dot_qd_in(q, qd, frame, Axes::World)
+        link: usize,
+    ) -> Result<Twist<S>, LinkError> {
+        self.jacobian_dot_qd_in(q, qd, link, Axes::World)
     }
 
     /// Returns the bias acceleration dJ/dt qd of a link in its own axes: the time derivative of the
@@ -279,28 +274,28 @@ impl<S: Scalar> Interpreter<S> {
         &mut self,
         q: &[S],
         qd: &[S],
-        frame: usize,
-    ) -> Result<Twist<S>, FrameError> {
-        self.jacobian_dot_qd_in(q, qd, frame, Axes::Link)
+        link: usize,
+    ) -> Result<Twist<S>, LinkError> {
+        self.jacobian_dot_qd_in(q, qd, link, Axes::Link)
     }
 
     fn jacobian_dot_qd_in(
         &mut self,
         q: &[S],
         qd: &[S],
-        frame: usize,
+        link: usize,
         axes: Axes,
-    ) -> Result<Twist<S>, FrameError> {
-        self.check_link_state(frame, State { q, qd })?;
+    ) -> Result<Twist<S>, LinkError> {
+        self.check_link_state(link, State { q, qd })?;
         let Self { mechanism, workspace, .. } = self;
-        Ok(kinematics::jacobian_dot_qd(mechanism, frame, State { q, qd }, axes, workspace))
+        Ok(kinematics::jacobian_dot_qd(mechanism, link, State { q, qd }, axes, workspace))
     }
 }
 
 /// Functions of all links at once.
 impl<S: Scalar> Interpreter<S> {
     /// Computes the poses in the world of all links of the description, fixed links included, in
-    /// the order of [`Model::frames`](crate::model::Model::frames).
+    /// the order of [`Model::links`](crate::model::Model::links).
     ///
     /// ```
     /// # let model = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/pendulum.in"));

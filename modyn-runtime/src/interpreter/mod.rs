@@ -44,7 +44,7 @@ pub use constraint_hessians::ConstrainedHessianOutputs;
 pub use constraints::ConstrainedDerivatives;
 pub use derivatives::ForwardDerivatives;
 pub(crate) use errors::check;
-pub use errors::{DecompositionError, FrameError, ModuleMismatch, ShapeError, UpdateError};
+pub use errors::{DecompositionError, LinkError, ModuleMismatch, ShapeError, UpdateError};
 pub use factorization::UduFactorization;
 pub use hessians::{HessianOutputs, StepHessianOutputs};
 pub use inertias::InertialError;
@@ -53,7 +53,7 @@ pub use steps::{ConstrainedKnotOutputs, KnotOutputs, StepOutputs};
 
 /// The dynamics of a model that is known at run time only.
 ///
-/// Joint vectors have the order of [`Model::links`]; matrices are stored by columns. Units are SI
+/// Joint vectors have the order of [`Model::moving_links`]; matrices are stored by columns. Units are SI
 /// units and radians. Quaternions in `q` must have length 1; only
 /// [`check_configuration`](Self::check_configuration) checks them.
 ///
@@ -191,7 +191,7 @@ impl<S: Scalar> Interpreter<S> {
     }
 
     /// Returns a joint that moves no inertia because its link has none, as an index into
-    /// [`Model::links`]; `None` if all joints move inertia.
+    /// [`Model::moving_links`]; `None` if all joints move inertia.
     ///
     /// A robot with such a joint has kinematics alone: poses, velocities, Jacobians and the other
     /// functions that [need no inertia](crate::quantities::Row::needs_inertia).

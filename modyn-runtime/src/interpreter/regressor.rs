@@ -43,7 +43,7 @@ impl<S: Scalar> Interpreter<S> {
     ) -> Result<(), ShapeError> {
         let n = self.model.nv();
         self.check_motion(Motion { q, qd, qdd })?;
-        check("columns", columns, n * PARAMETERS_PER_LINK * self.model.links().len())?;
+        check("columns", columns, n * PARAMETERS_PER_LINK * self.model.moving_links().len())?;
         let motion = Motion { q, qd, qdd };
         regressor(&self.mechanism, motion, &mut self.workspace, columns);
         Ok(())

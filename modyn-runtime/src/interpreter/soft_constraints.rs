@@ -461,7 +461,7 @@ impl Mobilities {
         if robot.mechanism.frames[link].body.is_none() {
             return [0.0; 2];
         }
-        let center = robot.model.frames()[link].inertial.center_of_mass.map(Portable);
+        let center = robot.model.links()[link].inertial.center_of_mass.map(Portable);
         let mut twists = vec![Twist::zero(); robot.model.nv()];
         robot.jacobian_local(q, link, &mut twists).expect(LENGTHS);
         let mean = |part: &dyn Fn(&Twist<Portable>) -> Vector3<Portable>| {
@@ -487,7 +487,7 @@ impl SoftModel<f64> {
         let mut mobilities = Mobilities::at_reference(model);
         let shapes = model.touching_shapes();
         let contact = |shape: TouchingShape| {
-            let link = shape.end.frame;
+            let link = shape.end.link;
             let [mobility, _] = mobilities.of_link(link);
             let frame = &mechanism.frames[link];
             ContactParameters {
@@ -502,7 +502,7 @@ impl SoftModel<f64> {
         let contacts: Vec<_> = shapes.into_iter().map(contact).collect();
         let closed = |(i, constraint): (usize, &LoopConstraint)| {
             let [first, second] =
-                constraint.ends.each_ref().map(|end| mobilities.of_link(end.frame));
+                constraint.ends.each_ref().map(|end| mobilities.of_link(end.link));
             let LoopSoftness { softness, torque_scale, .. } =
                 model.soft_constraints().softness_of_loop(i);
             let mobility = [0, 1].map(|k| first[k] + second[k]);
@@ -511,7 +511,7 @@ impl SoftModel<f64> {
         let loops: Vec<_> = model.loop_constraints().iter().enumerate().map(closed).collect();
         let has_limits = model.soft_constraints().joint_limits;
         let mut joints = vec![None; model.nv()];
-        for i in 0..model.links().len() {
+        for i in 0..model.moving_links().len() {
             let coordinates = model.q_range(i);
             if coordinates.len() != 1 || model.mimic(i).is_some() {
                 continue;
@@ -542,7 +542,7 @@ impl SoftModel<f64> {
             soft.tendons.iter().map(|tendon| mobilities.tendon(model, tendon)).collect();
         let acting = |coupling| mobilities.coupling(model, coupling);
         let couplings = soft.couplings.iter().filter_map(acting).collect();
-        let mass: f64 = model.links().iter().map(|link| link.inertial.mass).sum();
+        let mass: f64 = model.moving_links().iter().map(|link| link.inertial.mass).sum();
         let SoftConstraints { cone, integrator, .. } = *model.soft_constraints();
         SoftModel {
             cone,
@@ -645,9 +645,9 @@ fn free_bodies(model: &Model, mechanism: &Mechanism<f64>) -> Vec<usize> {
     if model.soft_constraints().integrator != Integrator::ImplicitFast {
         return Vec::new();
     }
-    let links = model.links().iter().enumerate().filter(|(i, link)| {
+    let links = model.moving_links().iter().enumerate().filter(|(i, link)| {
         let is_free = link.parent.is_none() && link.joint.joint_type == JointType::Floating;
-        is_free && model.links().iter().all(|other| other.parent != Some(*i))
+        is_free && model.moving_links().iter().all(|other| other.parent != Some(*i))
     });
     links.map(|(i, _)| mechanism.links[i]).collect()
 }
@@ -678,7 +678,7 @@ fn dry_friction(model: &Model, joint: usize) -> f64 {
     if !has_friction(model) {
         return 0.0;
     }
-    let joints = model.links().iter().enumerate().filter_map(|(i, link)| {
+    let joints = model.moving_links().iter().enumerate().filter_map(|(i, link)| {
         let multiplier = match model.mimic(i) {
             Some(mimic) if mimic.leader == joint => mimic.multiplier.abs(),
             None if i == joint => 1.0,

@@ -178,7 +178,7 @@ pub fn rigid_inertia<S: Scalar>(inertial: &Inertial<S>) -> RigidInertia<S> {
 }
 
 /// Returns the inertia of moving link `link` of `model` without the own inertias of the `removed`
-/// links, about its origin in its own axes. `removed` are indices of [`Model::frames`]: links that
+/// links, about its origin in its own axes. `removed` are indices of [`Model::links`]: links that
 /// are fixed to `link`, or `link` itself. A difference within rounding is zero.
 #[must_use]
 pub fn inertia_without(
@@ -188,10 +188,10 @@ pub fn inertia_without(
 ) -> RigidInertia<f64> {
     /// The rounding relative to the terms of the difference.
     const ROUNDING: f64 = 1e-13;
-    let whole = rigid_inertia(&model.links()[link].inertial);
-    let frames = model.frames().iter().enumerate();
+    let whole = rigid_inertia(&model.moving_links()[link].inertial);
+    let frames = model.links().iter().enumerate();
     let parts = frames
-        .filter(|(i, frame)| frame.link == Some(link) && removed(*i))
+        .filter(|(i, frame)| frame.moving_link == Some(link) && removed(*i))
         .map(|(_, frame)| rigid_inertia(&frame.inertial).placed(&frame.pose))
         .fold(RigidInertia::zero(), |sum, part| sum + part);
     let trace = |i: &RigidInertia<f64>| {

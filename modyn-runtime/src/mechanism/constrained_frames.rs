@@ -60,7 +60,7 @@ impl<S: Scalar> ConstrainedFrames<S> {
 
 /// Returns the frame of `end` on the body that carries it.
 fn on_body(frames: &[BodyFrame<f64>], end: &LoopConstraintEnd) -> BodyFrame<f64> {
-    let BodyFrame { body, pose } = frames[end.frame];
+    let BodyFrame { body, pose } = frames[end.link];
     BodyFrame { body, pose: pose.compose(&end.pose).map(snap) }
 }
 

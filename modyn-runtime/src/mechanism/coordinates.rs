@@ -83,7 +83,7 @@ pub fn quaternion_blocks<S>(
 /// Returns the coordinates of `model` in their order; mimic joints have none.
 pub(super) fn coordinates<S: Scalar>(model: &Model) -> Vec<Coordinates<S>> {
     let mut all = Vec::with_capacity(model.nv());
-    for (i, link) in model.links().iter().enumerate() {
+    for (i, link) in model.moving_links().iter().enumerate() {
         let joint = &link.joint;
         if joint.mimic.is_some() {
             continue;

@@ -28,9 +28,9 @@ pub(super) struct ElementaryBody<'a> {
 /// Returns the bodies of a model, and the body of each link. Universal and planar joints are
 /// expanded into several elementary joints.
 pub(super) fn expand_composite_joints(model: &Model) -> (Vec<ElementaryBody<'_>>, Vec<usize>) {
-    let mut elementary: Vec<ElementaryBody<'_>> = Vec::with_capacity(model.links().len());
-    let mut bodies: Vec<usize> = Vec::with_capacity(model.links().len());
-    for (i, link) in model.links().iter().enumerate() {
+    let mut elementary: Vec<ElementaryBody<'_>> = Vec::with_capacity(model.moving_links().len());
+    let mut bodies: Vec<usize> = Vec::with_capacity(model.moving_links().len());
+    for (i, link) in model.moving_links().iter().enumerate() {
         let joint = &link.joint;
         let axis = joint.axis;
         let plane = planar::plane(axis);

@@ -179,22 +179,22 @@ impl<S: Scalar> Mechanism<S> {
         self.dofs.len() != self.nv
     }
 
-    /// Adds `inertia` to the body that carries link `frame` of the description (an index).
-    /// `inertia` is about the link's origin, in the link's axes. Has no effect on a link that is
+    /// Adds `inertia` to the body that carries this link of the description (an
+    /// index). `inertia` is about the link's origin, in the link's axes. Has no effect on a link that is
     /// fixed to the world.
-    pub fn add_inertia(&mut self, frame: usize, inertia: &RigidInertia<S>) {
-        let BodyFrame { body: Some(body), pose } = self.frames[frame] else { return };
+    pub fn add_inertia(&mut self, link: usize, inertia: &RigidInertia<S>) {
+        let BodyFrame { body: Some(body), pose } = self.frames[link] else { return };
         let body = &mut self.bodies[body];
         let inertia = inertia.placed(&pose);
         body.inertia = body.inertia + inertia;
         body.base_inertia = body.base_inertia + inertia;
     }
 
-    /// Adds the part of `inertia` whose weight is compensated to the body that carries link `frame`
+    /// Adds the part of `inertia` whose weight is compensated to the body that carries this link
     /// of the description (an index). `inertia` is the link's own, about its origin, in its axes.
-    pub fn compensate(&mut self, frame: usize, inertia: &RigidInertia<S>) {
-        let Some(&factor) = self.gravity_compensation.get(frame) else { return };
-        let BodyFrame { body: Some(body), pose } = self.frames[frame] else { return };
+    pub fn compensate(&mut self, link: usize, inertia: &RigidInertia<S>) {
+        let Some(&factor) = self.gravity_compensation.get(link) else { return };
+        let BodyFrame { body: Some(body), pose } = self.frames[link] else { return };
         let part = CompensatedMass::part(&inertia.placed(&pose), factor);
         let sum = &mut self.bodies[body].compensated;
         *sum = Some(sum.map_or(part, |sum| sum.plus(&part)));
@@ -210,7 +210,7 @@ impl Mechanism<f64> {
     /// Returns the mechanism of `model`.
     #[must_use]
     pub fn new(model: &Model) -> Self {
-        let (elementary, links) = expand_composite_joints(model);
+        let (elementary, body_of) = expand_composite_joints(model);
         let mut frames = Frames::with_axes_along_z(&elementary);
         frames.rotate(&elementary);
         frames.shift();
@@ -219,9 +219,9 @@ impl Mechanism<f64> {
         for body in &mut bodies {
             body.base_inertia = snapping::without_rounding(body.base_inertia);
         }
-        let on_bodies = model.frames().iter().map(|frame| {
-            let body = frame.link.map(|link| links[link]);
-            let pose = body.map_or(frame.pose, |body| frames.link[body].compose(&frame.pose));
+        let on_bodies = model.links().iter().map(|link| {
+            let body = link.moving_link.map(|i| body_of[i]);
+            let pose = body.map_or(link.pose, |body| frames.link[body].compose(&link.pose));
             BodyFrame { body, pose }
         });
         let frames: Vec<BodyFrame<f64>> = on_bodies.collect();
@@ -229,7 +229,7 @@ impl Mechanism<f64> {
             constrained(&frames, constraint, model.characteristic_length(i))
         });
         let touching = model.contacts().iter().enumerate().map(|(i, contact)| {
-            let carrier = frames[contact.end.frame].body;
+            let carrier = frames[contact.end.link].body;
             let mut path = core::iter::successors(carrier, |&i| bodies[i].parent);
             let floats = path.any(|i| bodies[i].elementary_joint == ElementaryJoint::Floating);
             touching(&frames, contact, model.contact_length(i), floats)
@@ -243,7 +243,7 @@ impl Mechanism<f64> {
             bodies,
             dofs: dofs(&elementary, model.joint_friction()),
             static_inertia,
-            links,
+            links: body_of,
             nq: model.nq(),
             nv: model.nv(),
             coordinates: coordinates(model),
@@ -254,8 +254,8 @@ impl Mechanism<f64> {
         };
         let compensated =
             model.gravity_compensation().iter().enumerate().filter(|(_, x)| **x != 0.0);
-        for (frame, _) in compensated {
-            mechanism.compensate(frame, &rigid_inertia(&model.frames()[frame].inertial));
+        for (link, _) in compensated {
+            mechanism.compensate(link, &rigid_inertia(&model.links()[link].inertial));
         }
         mechanism
     }

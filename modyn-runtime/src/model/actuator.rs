@@ -84,7 +84,7 @@ pub struct AffineLaw {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Transmission {
     /// The joint of a moving link, which has one degree of freedom: an index into
-    /// [`Model::links`].
+    /// [`Model::moving_links`].
     Joint(usize),
     /// A tendon: an index into [`Actuation::tendons`].
     Tendon(usize),
@@ -134,7 +134,7 @@ pub struct FixedTendon {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct TendonJoint {
     /// The moving link of the joint, which has one degree of freedom: an index into
-    /// [`Model::links`].
+    /// [`Model::moving_links`].
     pub link: usize,
     /// The tendon's length per unit of the joint's coordinate.
     pub coefficient: f64,
@@ -145,7 +145,7 @@ pub struct TendonJoint {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct JointForceRange {
     /// The moving link of the joint, which has one degree of freedom: an index into
-    /// [`Model::links`].
+    /// [`Model::moving_links`].
     pub link: usize,
     /// The lowest and the highest force, N m or N.
     pub range: [f64; 2],

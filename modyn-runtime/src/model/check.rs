@@ -11,12 +11,12 @@ use super::{
 use crate::joint::JointType;
 use crate::spatial::Pose;
 
-/// Returns all defects of `model` without its loop constraints: of the whole, then of links, then
-/// of frames.
+/// Returns all defects of `model` without its loop constraints: of the whole, then of
+/// moving links, then of all links.
 pub(super) fn check(model: &Model) -> Vec<ModelError> {
     let mut errors = check_model(model);
     let mut report = |name: &str, kind| errors.push(ModelError { name: name.into(), kind });
-    if model.links.is_empty() {
+    if model.moving_links.is_empty() {
         report(&model.name, ModelErrorKind::NoJoint);
     }
     let leads = resolves_to_coordinates(model);
@@ -25,7 +25,7 @@ pub(super) fn check(model: &Model) -> Vec<ModelError> {
     // The links from the root to the previous link: a depth-first successor is the child of one of
     // them.
     let mut path: Vec<usize> = Vec::new();
-    for (i, link) in model.links.iter().enumerate() {
+    for (i, link) in model.moving_links.iter().enumerate() {
         if names.insert(&link.name, i).is_some() {
             report(&link.name, ModelErrorKind::DuplicateName);
         }
@@ -83,25 +83,25 @@ pub(super) fn check(model: &Model) -> Vec<ModelError> {
             report(&joint.name, ModelErrorKind::Rotation);
         }
     }
-    let mut frames = BTreeMap::new();
-    for (i, frame) in model.frames.iter().enumerate() {
-        if frames.insert(&frame.name, i).is_some() {
-            report(&frame.name, ModelErrorKind::DuplicateName);
+    let mut links = BTreeMap::new();
+    for (i, link) in model.links.iter().enumerate() {
+        if links.insert(&link.name, i).is_some() {
+            report(&link.name, ModelErrorKind::DuplicateName);
         }
-        if frame.link.is_some_and(|link| link >= model.links.len()) {
-            report(&frame.name, ModelErrorKind::Parent);
+        if link.moving_link.is_some_and(|i| i >= model.moving_links.len()) {
+            report(&link.name, ModelErrorKind::Parent);
         }
-        let Pose { rotation, translation } = &frame.pose;
-        let Inertial { mass, center_of_mass, inertia } = &frame.inertial;
+        let Pose { rotation, translation } = &link.pose;
+        let Inertial { mass, center_of_mass, inertia } = &link.inertial;
         if !(rotation.iter().all(|row| finite(row))
             && finite(translation)
             && finite(&[*mass])
             && finite(center_of_mass)
             && finite(inertia))
         {
-            report(&frame.name, ModelErrorKind::NotFinite);
+            report(&link.name, ModelErrorKind::NotFinite);
         } else if !is_rotation(rotation) {
-            report(&frame.name, ModelErrorKind::Rotation);
+            report(&link.name, ModelErrorKind::Rotation);
         }
     }
     errors
@@ -124,7 +124,7 @@ pub(super) fn check_model(model: &Model) -> Vec<ModelError> {
 /// Returns all defects of the gravity compensation of a `model` that has no other defects.
 pub(super) fn check_gravity_compensation(model: &Model) -> Vec<ModelError> {
     let factors = &model.gravity_compensation;
-    let of_each = factors.is_empty() || factors.len() == model.frames.len();
+    let of_each = factors.is_empty() || factors.len() == model.links.len();
     let kinds = [
         (of_each, ModelErrorKind::GravityCompensation),
         (finite(factors), ModelErrorKind::NotFinite),
@@ -138,7 +138,7 @@ pub(super) fn check_springs(model: &Model) -> Vec<ModelError> {
     let mut errors = Vec::new();
     for (i, spring) in model.springs.iter().enumerate() {
         let mut report = |name: &str, kind| errors.push(ModelError { name: name.into(), kind });
-        let Some(link) = model.links.get(spring.link) else {
+        let Some(link) = model.moving_links.get(spring.link) else {
             report(&model.name, ModelErrorKind::Spring);
             continue;
         };
@@ -175,9 +175,11 @@ pub(super) fn check_loop_constraints(model: &Model) -> Vec<ModelError> {
         if names.insert(name, i).is_some() {
             report(ModelErrorKind::DuplicateName);
         }
-        let links = constraint.ends.each_ref().map(|end| model.frames.get(end.frame));
+        let links = constraint.ends.each_ref().map(|end| model.links.get(end.link));
         match links {
-            [Some(a), Some(b)] if a.link == b.link => report(ModelErrorKind::LoopConstraintEnds),
+            [Some(a), Some(b)] if a.moving_link == b.moving_link => {
+                report(ModelErrorKind::LoopConstraintEnds)
+            }
             [Some(_), Some(_)] => {}
             _ => report(ModelErrorKind::LoopConstraintLink),
         }
@@ -212,9 +214,9 @@ pub(super) fn check_contacts(model: &Model) -> Vec<ModelError> {
         if names.insert(name, 0).is_some() {
             report(ModelErrorKind::DuplicateName);
         }
-        match model.frames.get(contact.end.frame) {
+        match model.links.get(contact.end.link) {
             None => report(ModelErrorKind::ContactLink),
-            Some(frame) if frame.link.is_none() => report(ModelErrorKind::ContactFixed),
+            Some(link) if link.moving_link.is_none() => report(ModelErrorKind::ContactFixed),
             Some(_) => {}
         }
         let Pose { rotation, translation } = &contact.end.pose;
@@ -234,9 +236,9 @@ pub(super) fn check_soft_constraints(model: &Model) -> Vec<ModelError> {
     let SoftConstraints { shapes, joints, loops, tendons, couplings, references, .. } = soft;
     for shape in shapes {
         let mut report = |kind| errors.push(ModelError { name: shape.name.clone(), kind });
-        match model.frames.get(shape.end.frame) {
+        match model.links.get(shape.end.link) {
             None => report(ModelErrorKind::ContactLink),
-            Some(frame) if frame.link.is_none() => report(ModelErrorKind::ContactFixed),
+            Some(link) if link.moving_link.is_none() => report(ModelErrorKind::ContactFixed),
             Some(_) => {}
         }
         let Pose { rotation, translation } = &shape.end.pose;
@@ -259,7 +261,7 @@ pub(super) fn check_soft_constraints(model: &Model) -> Vec<ModelError> {
         errors.push(ModelError { name: model.name.clone(), kind: ModelErrorKind::TouchingShape });
     }
     for softness in joints {
-        let link = model.links.get(softness.joint);
+        let link = model.moving_links.get(softness.joint);
         let name = link.map_or(&model.name, |link| &link.joint.name).clone();
         let mut report = |kind| errors.push(ModelError { name: name.clone(), kind });
         let numbers = [softness.limit, softness.friction].map(softness_numbers);
@@ -281,7 +283,7 @@ pub(super) fn check_soft_constraints(model: &Model) -> Vec<ModelError> {
         }
     }
     for reference in references {
-        let link = model.links.get(reference.joint);
+        let link = model.moving_links.get(reference.joint);
         let name = link.map_or(&model.name, |link| &link.joint.name).clone();
         if !reference.coordinate.is_finite() {
             errors.push(ModelError { name, kind: ModelErrorKind::NotFinite });
@@ -322,8 +324,9 @@ pub(super) fn check_soft_constraints(model: &Model) -> Vec<ModelError> {
 /// Returns the defect of sums of joint coordinates, if there is one.
 fn defect_of_sums(model: &Model, sums: &[JointSum]) -> Option<ModelErrorKind> {
     let joints = || sums.iter().flat_map(|sum| &sum.joints);
-    let is_single =
-        |link: usize| model.links.get(link).is_some_and(|link| link.joint.joint_type.nv() == 1);
+    let is_single = |link: usize| {
+        model.moving_links.get(link).is_some_and(|link| link.joint.joint_type.nv() == 1)
+    };
     let offsets = sums.iter().map(|sum| sum.offset);
     let mut numbers = joints().map(|joint| joint.coefficient).chain(offsets);
     if !joints().all(|joint| is_single(joint.link)) {
@@ -375,8 +378,9 @@ pub(super) fn check_keyframes(model: &Model) -> Vec<ModelError> {
 pub(super) fn check_actuation(model: &Model) -> Vec<ModelError> {
     let mut errors = Vec::new();
     let Actuation { actuators, tendons, joint_force_ranges } = &model.actuation;
-    let is_single =
-        |link: usize| model.links.get(link).is_some_and(|link| link.joint.joint_type.nv() == 1);
+    let is_single = |link: usize| {
+        model.moving_links.get(link).is_some_and(|link| link.joint.joint_type.nv() == 1)
+    };
     let mut names = BTreeMap::new();
     let mut delays = 0_usize;
     for actuator in actuators {
@@ -418,7 +422,7 @@ pub(super) fn check_actuation(model: &Model) -> Vec<ModelError> {
     }
     let mut limited = BTreeMap::new();
     for joint in joint_force_ranges {
-        let link = model.links.get(joint.link);
+        let link = model.moving_links.get(joint.link);
         let name = link.map_or(&model.name, |link| &link.joint.name).clone();
         let mut report = |kind| errors.push(ModelError { name: name.clone(), kind });
         if !is_single(joint.link) {
@@ -467,9 +471,10 @@ fn is_range([low, high]: [f64; 2]) -> bool {
 /// Returns, for each link, whether its joint has a coordinate of its own, or its chain of leaders
 /// ends at such a joint. Every mimic joint is visited once.
 fn resolves_to_coordinates(model: &Model) -> Vec<bool> {
-    let single = |i: usize| model.links.get(i).is_some_and(|link| link.joint.joint_type.nq() == 1);
-    let mut resolves: Vec<Option<bool>> = alloc::vec![None; model.links.len()];
-    for start in 0..model.links.len() {
+    let single =
+        |i: usize| model.moving_links.get(i).is_some_and(|link| link.joint.joint_type.nq() == 1);
+    let mut resolves: Vec<Option<bool>> = alloc::vec![None; model.moving_links.len()];
+    for start in 0..model.moving_links.len() {
         let mut at = start;
         let mut path = Vec::new();
         let good = loop {
@@ -479,7 +484,7 @@ fn resolves_to_coordinates(model: &Model) -> Vec<bool> {
             // A chain that returns to a joint of its own path is a cycle.
             resolves[at] = Some(false);
             path.push(at);
-            match model.links[at].joint.mimic {
+            match model.moving_links[at].joint.mimic {
                 None => break true,
                 Some(mimic) if !(single(at) && single(mimic.leader)) => break false,
                 Some(mimic) => at = mimic.leader,
@@ -517,7 +522,7 @@ mod tests {
     use alloc::string::String;
 
     use super::*;
-    use crate::model::{DEFAULT_GRAVITY, Frame, Joint, Link, Mimic};
+    use crate::model::{DEFAULT_GRAVITY, Joint, Link, Mimic, MovingLink};
 
     /// Returns a model of parallel links whose joints follow these leaders; the last joint is
     /// spherical.
@@ -528,7 +533,7 @@ mod tests {
             let name = alloc::format!("{i}");
             let mut joint = Joint::new(name.clone(), joint_type, [0.0, 0.0, 1.0], Pose::identity());
             joint.mimic = leader.map(|leader| Mimic { leader, multiplier: -2.0, offset: 1.0 });
-            Link { name, parent: None, joint, inertial: Inertial::default() }
+            MovingLink { name, parent: None, joint, inertial: Inertial::default() }
         };
         let links = leaders.iter().enumerate().map(link).collect();
         Model::new("r", DEFAULT_GRAVITY, links, Vec::new())
@@ -568,13 +573,14 @@ mod tests {
     fn stated_values_must_be_finite() {
         let good = model(&[None, None]).expect("good");
         let kinds = |change: &dyn Fn(&mut Limits, &mut Inertial)| -> Vec<ModelErrorKind> {
-            let mut links = good.links().to_vec();
+            let mut links = good.moving_links().to_vec();
             let mut limits = Limits { lower: None, upper: None, velocity: None, effort: None };
             let mut inertial = Inertial::default();
             change(&mut limits, &mut inertial);
             links[0].joint.limits = Some(limits);
-            let frame = Frame { name: "f".into(), link: Some(0), pose: Pose::identity(), inertial };
-            let model = Model::new("r", DEFAULT_GRAVITY, links, alloc::vec![frame]);
+            let link =
+                Link { name: "f".into(), moving_link: Some(0), pose: Pose::identity(), inertial };
+            let model = Model::new("r", DEFAULT_GRAVITY, links, alloc::vec![link]);
             model.err().unwrap_or_default().into_iter().map(|error| error.kind).collect()
         };
         let unlimited = Some(f64::INFINITY);

@@ -75,12 +75,12 @@ impl Model {
     #[must_use]
     pub fn contact_length(&self, contact: usize) -> f64 {
         let end = &self.contacts[contact].end;
-        let frame = &self.frames[end.frame];
-        let mut at = (frame.link, frame.pose.transform_point(end.pose.translation));
+        let frame = &self.links[end.link];
+        let mut at = (frame.moving_link, frame.pose.transform_point(end.pose.translation));
         let mut length = 0.0;
         while let (Some(i), point) = at {
             length += self.length_of_link(i, point);
-            at = (self.links[i].parent, self.links[i].joint.origin.translation);
+            at = (self.moving_links[i].parent, self.moving_links[i].joint.origin.translation);
         }
         if length > 0.0 { length } else { 1.0 }
     }

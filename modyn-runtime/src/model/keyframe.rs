@@ -8,12 +8,12 @@ use super::Model;
 ///
 /// ```
 /// use modyn_runtime::joint::JointType;
-/// use modyn_runtime::model::{DEFAULT_GRAVITY, Joint, Keyframe, Link, Model};
+/// use modyn_runtime::model::{DEFAULT_GRAVITY, Joint, Keyframe, MovingLink, Model};
 /// use modyn_runtime::{Inertial, Pose};
 ///
 /// let joint = Joint::new("pivot", JointType::Continuous, [0.0, 1.0, 0.0], Pose::identity());
 /// let inertial = Inertial { mass: 2.0, center_of_mass: [0.0, 0.0, -0.5], inertia: [0.0; 6] };
-/// let rod = Link { name: "rod".into(), parent: None, joint, inertial };
+/// let rod = MovingLink { name: "rod".into(), parent: None, joint, inertial };
 /// let model = Model::new("pendulum", DEFAULT_GRAVITY, vec![rod], vec![]).expect("a valid model");
 /// let up = Keyframe { name: "up".into(), q: vec![3.14], ..Keyframe::default() };
 /// let model = model.with_keyframes(vec![up]).expect("one coordinate");

@@ -1,4 +1,4 @@
-//! Links: the moving links, and all links of the description as frames.
+//! The links of the description, and the moving links.
 
 use alloc::string::String;
 use alloc::vec::Vec;
@@ -9,7 +9,7 @@ use crate::spatial::Pose;
 /// A moving link, with the joint towards its parent.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Link {
+pub struct MovingLink {
     /// The link's name in the description.
     pub name: String,
     /// The parent: the index of a moving link; `None` for the world.
@@ -20,14 +20,14 @@ pub struct Link {
     pub inertial: Inertial,
 }
 
-/// A link of the description, moving or not, as a frame fixed to a moving link (or to the world).
+/// A link of the description, moving or not, fixed to a moving link or to the world.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Frame {
+pub struct Link {
     /// The link's name in the description.
     pub name: String,
     /// The moving link that it is fixed to; `None` for the world.
-    pub link: Option<usize>,
+    pub moving_link: Option<usize>,
     /// The pose in that link's frame (identity for the moving link itself), or in the world.
     pub pose: Pose<f64>,
     /// The link's own inertia in its own frame. The moving link's inertia includes it.
@@ -37,7 +37,7 @@ pub struct Frame {
 /// Returns the length of the longest path between joints of a robot's links, m. The distance of a
 /// root's joint from the world's origin does not count.
 #[must_use]
-pub fn longest_path(links: &[Link]) -> f64 {
+pub fn longest_path(links: &[MovingLink]) -> f64 {
     let mut lengths: Vec<f64> = Vec::with_capacity(links.len());
     for link in links {
         let [x, y, z] = link.joint.origin.translation;

@@ -28,8 +28,8 @@ pub struct LoopConstraint {
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct LoopConstraintEnd {
-    /// The link of the description, as an index into [`Model::frames`](super::Model::frames).
-    pub frame: usize,
+    /// The link of the description, as an index into [`Model::links`](super::Model::links).
+    pub link: usize,
     /// The pose of the frame in the link's frame.
     pub pose: Pose<f64>,
 }
@@ -131,8 +131,8 @@ impl Model {
     #[must_use]
     pub fn characteristic_length(&self, constraint: usize) -> f64 {
         let frames = self.loop_constraints[constraint].ends.each_ref().map(|end| {
-            let frame = &self.frames[end.frame];
-            (frame.link, frame.pose.transform_point(end.pose.translation))
+            let frame = &self.links[end.link];
+            (frame.moving_link, frame.pose.transform_point(end.pose.translation))
         });
         let [mut first, mut second] = frames;
         let mut length = 0.0;
@@ -141,7 +141,8 @@ impl Model {
             let later = if first.0 > second.0 { &mut first } else { &mut second };
             if let Some(i) = later.0 {
                 length += self.length_of_link(i, later.1);
-                *later = (self.links[i].parent, self.links[i].joint.origin.translation);
+                *later =
+                    (self.moving_links[i].parent, self.moving_links[i].joint.origin.translation);
             }
         }
         length += distance(first.1, second.1);
@@ -152,7 +153,7 @@ impl Model {
     /// length of a constraint, m: the distance of the point from the link's joint, and the link's
     /// radius of gyration.
     pub(super) fn length_of_link(&self, i: usize, point: [f64; 3]) -> f64 {
-        distance(point, [0.0; 3]) + radius_of_gyration(&self.links[i].inertial)
+        distance(point, [0.0; 3]) + radius_of_gyration(&self.moving_links[i].inertial)
     }
 }
 

@@ -3,7 +3,7 @@
 //!
 //! A [`Model`] is validated when it is created, so the equations never see an invalid tree. Moving
 //! link `i` and joint `i` belong together, as in the paper: every moving link has exactly one
-//! joint, towards its parent. A link that is fixed to another link is a [`Frame`]. Its inertia is
+//! joint, towards its parent. A link that is fixed to another link is only a [`Link`]. Its inertia is
 //! merged into the moving link that carries it.
 
 mod actuator;
@@ -31,7 +31,7 @@ pub use error::{ModelError, ModelErrorKind};
 pub use integrator::Integrator;
 pub use joint::{Joint, JointDynamics, JointFriction, Limits, Mimic};
 pub use keyframe::Keyframe;
-pub use link::{Frame, Link, longest_path};
+pub use link::{Link, MovingLink, longest_path};
 pub(crate) use loop_constraint::radius_of_gyration;
 pub use loop_constraint::{LoopConstraint, LoopConstraintEnd, LoopConstraintKind};
 pub use modules::{Module, ModuleError, ModuleTree};
@@ -53,17 +53,17 @@ pub const DEFAULT_GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
 
 /// A validated robot.
 ///
-/// Links are in depth-first order, parents before children. The order of the links is the order of
-/// all joint vectors. Units are SI units and radians.
+/// Moving links are in depth-first order, parents before children. Their order is the order of all
+/// joint vectors. Units are SI units and radians.
 ///
 /// ```
 /// use modyn_runtime::joint::JointType;
-/// use modyn_runtime::model::{DEFAULT_GRAVITY, Joint, Link, Model};
+/// use modyn_runtime::model::{DEFAULT_GRAVITY, Joint, MovingLink, Model};
 /// use modyn_runtime::{Inertial, Pose};
 ///
 /// let joint = Joint::new("pivot", JointType::Continuous, [0.0, 1.0, 0.0], Pose::identity());
 /// let inertial = Inertial { mass: 2.0, center_of_mass: [0.0, 0.0, -0.5], inertia: [0.0; 6] };
-/// let rod = Link { name: "rod".into(), parent: None, joint, inertial };
+/// let rod = MovingLink { name: "rod".into(), parent: None, joint, inertial };
 /// let model = Model::new("pendulum", DEFAULT_GRAVITY, vec![rod], vec![]).expect("a valid model");
 /// assert_eq!((model.nq(), model.nv()), (1, 1));
 /// ```
@@ -73,10 +73,10 @@ pub struct Model {
     name: String,
     gravity: [f64; 3],
     joint_friction: JointFriction,
+    moving_links: Vec<MovingLink>,
     links: Vec<Link>,
-    frames: Vec<Frame>,
     springs: Vec<Spring>,
-    /// For each frame, the part of its weight that is compensated; empty if none is.
+    /// For each link, the part of its weight that is compensated; empty if none is.
     gravity_compensation: Vec<f64>,
     loop_constraints: Vec<LoopConstraint>,
     contacts: Vec<Contact>,
@@ -101,10 +101,10 @@ struct JointIndices {
 }
 
 impl Model {
-    /// Returns the model of these links and frames, after checking them.
+    /// Returns the model of these links, after checking them.
     ///
-    /// `gravity` is the acceleration of free fall in world axes, m/s^2. `frames` are the links of
-    /// the description in its own order, which is the order of
+    /// `gravity` is the acceleration of free fall in world axes, m/s^2. `links` are all links of the
+    /// description, moving or not, in its own order, which is the order of
     /// [`link_poses`](crate::Interpreter::link_poses).
     ///
     /// # Errors
@@ -116,8 +116,8 @@ impl Model {
     pub fn new(
         name: impl Into<String>,
         gravity: [f64; 3],
+        moving_links: Vec<MovingLink>,
         links: Vec<Link>,
-        frames: Vec<Frame>,
     ) -> Result<Self, Vec<ModelError>> {
         let joint_friction = JointFriction::None;
         let loop_constraints = Vec::new();
@@ -129,8 +129,8 @@ impl Model {
             name,
             gravity,
             joint_friction,
+            moving_links,
             links,
-            frames,
             springs: Vec::new(),
             gravity_compensation: Vec::new(),
             loop_constraints,
@@ -150,10 +150,10 @@ impl Model {
 
     /// Returns the places of the joints in the joint vectors.
     fn joint_indices(&self) -> Vec<JointIndices> {
-        let mut joint_indices: Vec<JointIndices> = Vec::with_capacity(self.links.len());
+        let mut joint_indices: Vec<JointIndices> = Vec::with_capacity(self.moving_links.len());
         let mut q = 0;
         let mut v = 0;
-        for link in &self.links {
+        for link in &self.moving_links {
             let is_independent = link.joint.mimic.is_none();
             let joint_type = link.joint.joint_type;
             let (nq, nv) = if is_independent { (joint_type.nq(), joint_type.nv()) } else { (0, 0) };
@@ -177,12 +177,12 @@ impl Model {
     /// Returns, for each link, the mimic relation to a joint with a coordinate of its own. Every
     /// mimic joint is visited once, so that chains of mimic joints take linear time.
     fn resolved_mimics(&self) -> Vec<Option<Mimic>> {
-        let mut resolved: Vec<Option<Mimic>> = alloc::vec![None; self.links.len()];
+        let mut resolved: Vec<Option<Mimic>> = alloc::vec![None; self.moving_links.len()];
         let mut waiting = Vec::new();
-        for start in 0..self.links.len() {
+        for start in 0..self.moving_links.len() {
             let mut at = start;
             while resolved[at].is_none()
-                && let Some(mimic) = self.links[at].joint.mimic
+                && let Some(mimic) = self.moving_links[at].joint.mimic
             {
                 waiting.push((at, mimic));
                 at = mimic.leader;
@@ -344,14 +344,14 @@ impl Model {
 
     /// Returns the moving links, in depth-first order.
     #[must_use]
-    pub fn links(&self) -> &[Link] {
-        &self.links
+    pub fn moving_links(&self) -> &[MovingLink] {
+        &self.moving_links
     }
 
-    /// Returns all links of the description as frames, in the description's order.
+    /// Returns all links, moving or not, in the description's order.
     #[must_use]
-    pub fn frames(&self) -> &[Frame] {
-        &self.frames
+    pub fn links(&self) -> &[Link] {
+        &self.links
     }
 
     /// Returns the springs.
@@ -404,11 +404,11 @@ impl Model {
         loops.chain(self.contacts.iter().map(|contact| contact.kind.rows())).sum()
     }
 
-    /// Returns the index in [`frames`](Self::frames) of the link named `name`; `None` if there is
+    /// Returns the index in [`links`](Self::links) of the link named `name`; `None` if there is
     /// no such link.
     #[must_use]
-    pub fn frame_index(&self, name: &str) -> Option<usize> {
-        self.frames.iter().position(|frame| frame.name == name)
+    pub fn link_index(&self, name: &str) -> Option<usize> {
+        self.links.iter().position(|link| link.name == name)
     }
 
     /// Returns the ten inertial parameters of moving link `link`, in which joint forces are linear
@@ -416,7 +416,7 @@ impl Model {
     /// moving links, concatenated, are pi in tau = Y pi.
     #[must_use]
     pub fn inertial_parameters(&self, link: usize) -> Option<[f64; PARAMETERS_PER_LINK]> {
-        self.links.get(link).map(|link| link.inertial.parameters())
+        self.moving_links.get(link).map(|link| link.inertial.parameters())
     }
 
     /// Returns nq, the length of the coordinate vector q.
@@ -484,7 +484,7 @@ impl Model {
     #[must_use]
     pub fn velocity_limit(&self, link: usize) -> f64 {
         let leader = self.mimic(link).map_or(link, |mimic| mimic.leader);
-        let limit = |link: usize| self.links.get(link)?.joint.limits?.velocity;
+        let limit = |link: usize| self.moving_links.get(link)?.joint.limits?.velocity;
         let indices = self.joint_indices.get(leader).map_or(&[][..], |place| &place.followers);
         // A joint with the multiplier 0 does not move.
         let followers = indices.iter().filter_map(|&i| {
@@ -497,7 +497,7 @@ impl Model {
     /// Returns the position limits of moving link `link`'s joint by itself, infinite without a
     /// limit.
     fn position_limits(&self, link: usize) -> [f64; 2] {
-        let joint = self.links.get(link).map(|link| &link.joint);
+        let joint = self.moving_links.get(link).map(|link| &link.joint);
         let single = joint.filter(|joint| joint.joint_type.nq() == 1);
         let limits = single.and_then(|joint| joint.limits.as_ref());
         [
@@ -515,7 +515,7 @@ impl Model {
     /// Returns the quaternions in q: the joint's name and the entry of q of the quaternion's x, for
     /// each.
     pub fn quaternions(&self) -> impl Iterator<Item = (&str, usize)> + '_ {
-        self.links.iter().zip(&self.joint_indices).filter_map(|(link, place)| {
+        self.moving_links.iter().zip(&self.joint_indices).filter_map(|(link, place)| {
             let first = match link.joint.joint_type {
                 JointType::Spherical => 0,
                 JointType::Floating => 3,
@@ -540,7 +540,7 @@ impl Model {
 
     fn entry_names(&self, parts: fn(JointType) -> &'static [&'static str]) -> Vec<String> {
         let independent =
-            self.links.iter().map(|link| &link.joint).filter(|joint| joint.mimic.is_none());
+            self.moving_links.iter().map(|link| &link.joint).filter(|joint| joint.mimic.is_none());
         independent
             .flat_map(|joint| {
                 parts(joint.joint_type).iter().map(|part| match *part {
@@ -554,8 +554,8 @@ impl Model {
     /// Returns the children of each link, in order.
     #[must_use]
     pub fn children(&self) -> Vec<Vec<usize>> {
-        let mut children = alloc::vec![Vec::new(); self.links.len()];
-        for (i, link) in self.links.iter().enumerate() {
+        let mut children = alloc::vec![Vec::new(); self.moving_links.len()];
+        for (i, link) in self.moving_links.iter().enumerate() {
             if let Some(siblings) = link.parent.and_then(|p| children.get_mut(p)) {
                 siblings.push(i);
             }
@@ -575,8 +575,8 @@ impl<'de> serde::Deserialize<'de> for Model {
             gravity: [f64; 3],
             #[serde(default)]
             joint_friction: JointFriction,
+            moving_links: Vec<MovingLink>,
             links: Vec<Link>,
-            frames: Vec<Frame>,
             #[serde(default)]
             springs: Vec<Spring>,
             #[serde(default)]
@@ -596,8 +596,8 @@ impl<'de> serde::Deserialize<'de> for Model {
             name,
             gravity,
             joint_friction,
+            moving_links,
             links,
-            frames,
             springs,
             gravity_compensation,
             loop_constraints,
@@ -606,7 +606,7 @@ impl<'de> serde::Deserialize<'de> for Model {
             actuation,
             keyframes,
         } = Parts::deserialize(deserializer)?;
-        let model = Self::new(name, gravity, links, frames)
+        let model = Self::new(name, gravity, moving_links, links)
             .and_then(|model| model.with_joint_friction(joint_friction))
             .and_then(|model| model.with_springs(springs))
             .and_then(|model| model.with_gravity_compensation(gravity_compensation))

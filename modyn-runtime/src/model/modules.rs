@@ -117,7 +117,7 @@ impl ModuleTree {
     #[must_use]
     pub fn chains(model: &Model) -> Self {
         let children = model.children();
-        let starts = model.links().iter().enumerate().filter_map(|(i, link)| {
+        let starts = model.moving_links().iter().enumerate().filter_map(|(i, link)| {
             let continues = link.parent.is_some_and(|parent| children[parent].len() == 1);
             (!continues).then_some(i)
         });
@@ -127,7 +127,7 @@ impl ModuleTree {
     /// Returns the partition into modules of one link each.
     #[must_use]
     pub fn links(model: &Model) -> Self {
-        Self::from_starts(model, (0..model.links().len()).collect())
+        Self::from_starts(model, (0..model.moving_links().len()).collect())
     }
 
     /// Returns the modules of a list of link names. Each module lists its links from the parent to
@@ -140,7 +140,7 @@ impl ModuleTree {
         model: &Model,
         list: &[Vec<T>],
     ) -> Result<Self, Vec<ModuleError>> {
-        let links = model.links();
+        let links = model.moving_links();
         let name = |i: usize| links[i].name.clone();
         let mut errors = Vec::new();
         let mut seen = alloc::vec![false; links.len()];
@@ -199,7 +199,7 @@ impl ModuleTree {
     /// Returns whether the modules are a partition of all links of `model` into chains.
     #[must_use]
     pub fn fits(&self, model: &Model) -> bool {
-        let links = model.links();
+        let links = model.moving_links();
         let mut next = 0;
         for module in &self.modules {
             let parent = module.parent.and_then(|p| self.modules[p].links.end.checked_sub(1));
@@ -225,7 +225,7 @@ impl ModuleTree {
 
     /// Returns the modules that start at these links, which are ascending.
     fn from_starts(model: &Model, starts: Vec<usize>) -> Self {
-        let links = model.links();
+        let links = model.moving_links();
         let mut module_of = alloc::vec![0; links.len()];
         let mut modules: Vec<Module> = Vec::with_capacity(starts.len());
         for (m, &start) in starts.iter().enumerate() {

@@ -220,8 +220,8 @@ impl Sizes {
         Self {
             nq: model.nq(),
             nv: model.nv(),
-            links: model.frames().len(),
-            moving: model.links().len(),
+            links: model.links().len(),
+            moving: model.moving_links().len(),
             quaternions: model.quaternions().count(),
             constraints: model.constraints(),
             contacts: model.contacts().len(),

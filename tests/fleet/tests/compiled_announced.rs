@@ -34,9 +34,10 @@ fn constants_are_the_models() {
             let Consts { name, nq, nv, joint_names, link_names, .. } = consts;
             assert_eq!(name, model.name());
             assert_eq!([nq, nv], [model.nq(), model.nv()], "{name}");
-            let joints: Vec<&str> = model.links().iter().map(|l| l.joint.name.as_str()).collect();
+            let joints: Vec<&str> =
+                model.moving_links().iter().map(|l| l.joint.name.as_str()).collect();
             assert_eq!(joint_names, joints, "{name}");
-            let links: Vec<&str> = model.frames().iter().map(|f| f.name.as_str()).collect();
+            let links: Vec<&str> = model.links().iter().map(|f| f.name.as_str()).collect();
             assert_eq!(link_names, links, "{name}");
             assert_eq!(consts.coordinate_names, model.coordinate_names(), "{name}");
             assert_eq!(consts.velocity_names, model.velocity_names(), "{name}");
@@ -62,7 +63,7 @@ fn enums_are_the_names_in_their_order() {
 fn joints_know_their_place() {
     for robot in ROBOTS.iter() {
         let model = robot.spec.model();
-        let places = (0..model.links().len()).map(|i| [model.q_range(i), model.v_range(i)]);
+        let places = (0..model.moving_links().len()).map(|i| [model.q_range(i), model.v_range(i)]);
         assert_eq!((robot.ranges)(), places.collect::<Vec<_>>(), "{}", robot.name());
     }
 }
@@ -71,7 +72,7 @@ fn joints_know_their_place() {
 fn numbers_are_the_models() {
     for robot in ROBOTS.iter() {
         let (model, name) = (robot.spec.model(), robot.name());
-        let links = 0..model.links().len();
+        let links = 0..model.moving_links().len();
         let parameters: Vec<f64> =
             links.filter_map(|i| model.inertial_parameters(i)).flatten().collect();
         let TypeConstants { parameters: found, armature, damping, friction } = robot.type_constants;
@@ -82,7 +83,7 @@ fn numbers_are_the_models() {
             assert_eq!(numbers.len(), model.nv(), "{name}");
         }
         for (i, Joint { mimic, limits: stated, dynamics, .. }) in
-            model.links().iter().map(|link| &link.joint).enumerate()
+            model.moving_links().iter().map(|link| &link.joint).enumerate()
         {
             // A mimic joint has no entry.
             if mimic.is_some() {
@@ -125,7 +126,7 @@ fn modules_are_those_that_were_asked_for() {
         let [Consts { modules, .. }, _] = robot.consts;
         assert_eq!(modules.len(), expected.modules().len(), "{name}");
         for (found, expected) in modules.iter().zip(expected.modules()) {
-            let links = &model.links()[expected.links.clone()];
+            let links = &model.moving_links()[expected.links.clone()];
             assert_eq!(found.parent, expected.parent, "{name}");
             assert_eq!(found.children, expected.children, "{name}");
             let dofs: Vec<usize> = expected

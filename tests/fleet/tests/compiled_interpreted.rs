@@ -61,18 +61,21 @@ fn the_fleet_is_various() {
     let is_random = |source| matches!(source, Source::Random(..) | Source::Zoo(..));
     let random: Vec<Subject> = subjects().filter(|s| is_random(s.robot.spec.source)).collect();
     assert!(random.len() >= 16);
-    let links = |subject: &Subject| subject.model.links().len();
+    let links = |subject: &Subject| subject.model.moving_links().len();
     assert_eq!(random.iter().map(links).min(), Some(1));
     assert_eq!(random.iter().map(links).max(), Some(30));
     for joint_type in [JointType::Revolute, JointType::Continuous, JointType::Prismatic] {
-        let is_so =
-            |s: &&Subject| s.model.links().iter().any(|link| link.joint.joint_type == joint_type);
+        let is_so = |s: &&Subject| {
+            s.model.moving_links().iter().any(|link| link.joint.joint_type == joint_type)
+        };
         assert!(random.iter().filter(is_so).count() >= 8, "{joint_type:?}");
     }
     let count = |is_so: &dyn Fn(&Subject) -> bool| random.iter().filter(|s| is_so(s)).count();
     assert!(count(&|s| s.model.children().iter().any(|c| c.len() > 1)) >= 4, "branches");
-    assert!(count(&|s| s.model.links().iter().filter(|l| l.parent.is_none()).count() > 1) >= 3);
-    assert!(count(&|s| s.model.frames().len() > links(s) + 1) >= 4, "fixed links");
+    assert!(
+        count(&|s| s.model.moving_links().iter().filter(|l| l.parent.is_none()).count() > 1) >= 3
+    );
+    assert!(count(&|s| s.model.links().len() > links(s) + 1) >= 4, "fixed links");
     assert!(count(&|s| s.modules != ModuleTree::links(&s.model)) >= 6, "modules of many links");
     assert!(count(&|s| s.modules != ModuleTree::chains(&s.model)) >= 6, "divided chains");
     assert!(count(&|s| matches!(s.robot.spec.division, Division::List(_))) >= 4, "lists");
@@ -80,12 +83,13 @@ fn the_fleet_is_various() {
 
     let all: Vec<Subject> = subjects().filter(|s| s.robot.spec.all).collect();
     for joint_type in JointType::ALL {
-        let is_so = |s: &Subject| s.model.links().iter().any(|l| l.joint.joint_type == joint_type);
+        let is_so =
+            |s: &Subject| s.model.moving_links().iter().any(|l| l.joint.joint_type == joint_type);
         assert!(all.iter().any(is_so), "{joint_type:?}");
     }
     let count = |is_so: &dyn Fn(&Subject) -> bool| all.iter().filter(|s| is_so(s)).count();
     let has = |s: &Subject, is_so: fn(&JointDynamics) -> bool| {
-        s.model.links().iter().any(|link| is_so(&link.joint.dynamics))
+        s.model.moving_links().iter().any(|link| is_so(&link.joint.dynamics))
     };
     assert!(count(&|s| s.model.has_mimics()) >= 3, "mimics");
     assert!(count(&|s| has(s, |dynamics| dynamics.armature > 0.0)) >= 3, "rotors");

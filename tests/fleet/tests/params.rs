@@ -42,12 +42,12 @@ impl Change {
         let gravity = self.gravity.unwrap_or(model.gravity());
         let fallen = model.clone().with_gravity(gravity).expect("finite");
         let replaced = self.inertias.iter().fold(fallen, |model, (link, inertial)| {
-            let at = model.frame_index(link).expect("a link");
+            let at = model.link_index(link).expect("a link");
             changed(&model, at, *inertial)
         });
         self.payloads.iter().fold(replaced, |model, (link, payload)| {
-            let at = model.frame_index(link).expect("a link");
-            let loaded = model.frames()[at].inertial.merged(payload);
+            let at = model.link_index(link).expect("a link");
+            let loaded = model.links()[at].inertial.merged(payload);
             changed(&model, at, loaded)
         })
     }
@@ -170,14 +170,14 @@ fn the_default_is_the_description() {
         ("panda_hand", described.inertia_of_panda_hand()),
         ("panda_link4", described.inertia_of_panda_link4()),
     ] {
-        let frame = &model.frames()[model.frame_index(link).expect("a link")];
+        let frame = &model.links()[model.link_index(link).expect("a link")];
         assert_eq!(inertial, frame.inertial, "{link}");
     }
     // A payload is added to the inertia of the hand, so the default payload is zero.
     assert_eq!(described.payload_of_panda_hand(), Inertial::default());
     assert_eq!(described.payload_of_panda_link4(), Inertial::default());
     // The hand is fixed to another link; link 4 moves.
-    let fixed = |link: &str| model.links().iter().all(|moving| moving.name != link);
+    let fixed = |link: &str| model.moving_links().iter().all(|moving| moving.name != link);
     assert!(fixed("panda_hand") && !fixed("panda_link4"));
 }
 

@@ -20,7 +20,7 @@ use modyn_codegen::{
 use modyn_runtime::joint::JointType;
 use modyn_runtime::model::{
     Activation, ActivationDynamics, Actuation, Actuator, AffineLaw, FixedTendon, Integrator,
-    JointForceRange, JointFriction, Link, Model, SoftConstraints, Spring, TendonJoint,
+    JointForceRange, JointFriction, Model, MovingLink, SoftConstraints, Spring, TendonJoint,
     TorqueSpeedLine, Transmission,
 };
 use modyn_runtime::{ConstraintSettings, ContactTarget, Scalar};
@@ -124,7 +124,7 @@ pub fn kinds() -> Vec<Case> {
     let case = |name, builder: Builder| Case { name, builder };
     let looped = [Function::ForwardDynamics, Function::InverseDynamics];
     let gripper = robot("gripper").runtime_gravity();
-    let links = gripper.generate().expect("good").model.links().to_vec();
+    let links = gripper.generate().expect("good").model.moving_links().to_vec();
     let [replaced, loaded] = [1, 2].map(|link: usize| links[link].name.clone());
     vec![
         case("joint_zoo", sprung().functions(USED)),
@@ -226,7 +226,7 @@ fn tendons() -> Builder {
 /// torque-speed line. With activations and delays the integrator is `Euler`, without `implicitfast`.
 fn actuated(activates: bool) -> Builder {
     let model = robot("mimic_gripper").generate().expect("good").model;
-    let links = model.links().iter().enumerate();
+    let links = model.moving_links().iter().enumerate();
     let single = links.filter(|(_, link)| link.joint.joint_type.nv() == 1);
     let joints: Vec<usize> = single.map(|(link, _)| link).collect();
     let tendon = FixedTendon {
@@ -279,7 +279,7 @@ fn actuated(activates: bool) -> Builder {
 fn sprung() -> Builder {
     let model = robot("joint_zoo").generate().expect("good").model;
     let unit = [0.1, 0.5, -0.7, 0.5];
-    let spring = |(link, described): (usize, &Link)| {
+    let spring = |(link, described): (usize, &MovingLink)| {
         let reference = match described.joint.joint_type {
             JointType::Spherical => unit.to_vec(),
             JointType::Floating => [&[0.3, -0.2, 0.4][..], &unit].concat(),
@@ -287,7 +287,7 @@ fn sprung() -> Builder {
         };
         Spring { link, stiffness: 3.0 + link as f64, reference }
     };
-    let springs = model.links().iter().enumerate().map(spring).collect();
+    let springs = model.moving_links().iter().enumerate().map(spring).collect();
     Builder::new().model(model.with_springs(springs).expect("good springs"))
 }
 
@@ -322,7 +322,7 @@ impl UserFunction<3> for Reach {
         robot: &mut Interpreter<S>,
         [q, target, weight]: [&[S]; 3],
     ) -> Result<Vec<S>, UserError> {
-        let link = robot.model().frame_index("wrist_3_link").ok_or("there is no wrist")?;
+        let link = robot.model().link_index("wrist_3_link").ok_or("there is no wrist")?;
         let pose = robot.link_pose(q, link)?;
         let squares = pose.translation.iter().zip(target).map(|(&x, &t)| (x - t) * (x - t));
         Ok(vec![weight[0] * squares.fold(S::zero(), |sum, square| sum + square)])

@@ -60,7 +60,7 @@ fn modules_are_those_of_figure_1() {
     let model = gripper();
     let tree = ModuleTree::chains(&model);
     let names = |m: usize| -> Vec<&str> {
-        tree.modules()[m].links.clone().map(|i| model.links()[i].name.as_str()).collect()
+        tree.modules()[m].links.clone().map(|i| model.moving_links()[i].name.as_str()).collect()
     };
     assert_eq!(tree.modules().len(), 3);
     assert_eq!(names(0), ["link11"]);

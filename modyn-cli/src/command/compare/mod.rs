@@ -16,7 +16,7 @@ use modyn_codegen::diagnostics::Diagnostics;
 use modyn_codegen::diagnostics::sanitize_for_display;
 use modyn_codegen::{Function, ModuleChoice, condition_number, joints_without_inertia};
 use modyn_runtime::model::Model;
-use modyn_runtime::{FrameError, Interpreter, Scalar};
+use modyn_runtime::{Interpreter, LinkError, Scalar};
 use serde_json::{Value, json};
 
 use crate::command::choices::module_tree;
@@ -244,7 +244,7 @@ impl Arguments {
     }
 }
 
-fn shape(error: impl Into<FrameError>) -> Failure {
+fn shape(error: impl Into<LinkError>) -> Failure {
     let error = error.into();
     Failure::usage(format!("error: {error}"))
 }

@@ -3,7 +3,7 @@
 
 use modyn_codegen::Function;
 use modyn_codegen::plan::Argument;
-use modyn_runtime::{FrameError, Interpreter, Scalar};
+use modyn_runtime::{Interpreter, LinkError, Scalar};
 
 /// The arguments of functions.
 pub struct State<S = f64> {
@@ -61,7 +61,7 @@ impl Quantity {
         &self,
         robot: &mut Interpreter<S>,
         state: &State<S>,
-    ) -> Result<Vec<S>, FrameError> {
+    ) -> Result<Vec<S>, LinkError> {
         let row = self.function.row();
         // Factors have another order in generated code, so a solution is compared.
         if self.function == Function::Brge {

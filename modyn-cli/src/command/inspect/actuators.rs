@@ -47,7 +47,7 @@ pub fn json(model: &Model) -> Value {
 /// Returns the name of the joint or the tendon that an actuator moves.
 fn target<'m>(model: &'m Model, actuator: &Actuator) -> &'m str {
     match actuator.transmission {
-        Transmission::Joint(link) => &model.links()[link].joint.name,
+        Transmission::Joint(link) => &model.moving_links()[link].joint.name,
         Transmission::Tendon(tendon) => &model.actuation().tendons[tendon].name,
     }
 }

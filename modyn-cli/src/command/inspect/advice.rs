@@ -3,7 +3,7 @@
 use std::collections::{HashMap, HashSet};
 
 use modyn_runtime::Interpreter;
-use modyn_runtime::model::{Frame, Inertial, Model};
+use modyn_runtime::model::{Inertial, Link, Model};
 use modyn_runtime::spatial::Pose;
 
 /// A property that the user should check.
@@ -32,9 +32,9 @@ pub fn about(model: &Model) -> Vec<Advice> {
     let carried = carried(model);
     let repeated = repeated(model);
     let mut all = Vec::new();
-    for frame in model.frames().iter().filter(|frame| frame.link.is_some()) {
-        let mut say = |message| all.push(Advice { link: frame.name.clone(), message });
-        let Inertial { mass, center_of_mass, inertia } = frame.inertial;
+    for link in model.links().iter().filter(|link| link.moving_link.is_some()) {
+        let mut say = |message| all.push(Advice { link: link.name.clone(), message });
+        let Inertial { mass, center_of_mass, inertia } = link.inertial;
         if mass == 0.0 {
             continue;
         }
@@ -54,7 +54,7 @@ pub fn about(model: &Model) -> Vec<Advice> {
             say("it has mass but no rotational inertia: all of its mass is in one point".into());
             continue;
         }
-        let moments = frame.inertial.principal_moments();
+        let moments = link.inertial.principal_moments();
         let radius = (moments.iter().sum::<f64>() / (2.0 * mass)).sqrt();
         if size > 0.0 && radius > SPREAD * size {
             say(format!(
@@ -67,7 +67,7 @@ pub fn about(model: &Model) -> Vec<Advice> {
                 "its inertia is tiny: as if its {mass} kg were within {radius:.1e} m; in kg m^2?"
             ));
         }
-        if repeated(frame) {
+        if repeated(link) {
             say(
                 "its inertia is that of other links of other masses, and the same about all axes: \
                  a placeholder?"
@@ -75,15 +75,15 @@ pub fn about(model: &Model) -> Vec<Advice> {
             );
         }
         // The carried mass belongs to the moving body; it is reported for the body's moving link.
-        let body = frame.link.filter(|&link| model.links()[link].name == frame.name);
+        let body = link.moving_link.filter(|&i| model.moving_links()[i].name == link.name);
         if let Some(link) = body
-            && carried[link] > MAX_CARRIED_RATIO * model.links()[link].inertial.mass
+            && carried[link] > MAX_CARRIED_RATIO * model.moving_links()[link].inertial.mass
         {
             say(format!(
                 "it carries {:.4} kg, with {:.1e} kg of its own: simulation needs small steps, and single precision \
                  may not do",
                 carried[link],
-                model.links()[link].inertial.mass
+                model.moving_links()[link].inertial.mass
             ));
         }
     }
@@ -94,7 +94,7 @@ pub fn about(model: &Model) -> Vec<Advice> {
 fn size(model: &Model) -> f64 {
     let mut interpreter = Interpreter::<f64>::new(model.clone());
     let mut q = vec![0.0; model.nq()];
-    let mut poses = vec![Pose::identity(); model.frames().len()];
+    let mut poses = vec![Pose::identity(); model.links().len()];
     if interpreter.neutral(&mut q).is_err() || interpreter.link_poses(&q, &mut poses).is_err() {
         return 0.0;
     }
@@ -108,12 +108,12 @@ fn size(model: &Model) -> f64 {
 
 /// Returns the mass of all links, fixed links included, kg.
 pub fn total_mass(model: &Model) -> f64 {
-    model.frames().iter().map(|frame| frame.inertial.mass).sum()
+    model.links().iter().map(|link| link.inertial.mass).sum()
 }
 
 /// Returns, for each moving link, the mass of its descendants, kg.
 fn carried(model: &Model) -> Vec<f64> {
-    let links = model.links();
+    let links = model.moving_links();
     let mut carried = vec![0.0; links.len()];
     // Children come after their parents.
     for (i, link) in links.iter().enumerate().rev() {
@@ -127,15 +127,15 @@ fn carried(model: &Model) -> Vec<f64> {
 /// The bits of an inertia.
 type Bits = [u64; 6];
 
-fn bits(frame: &Frame) -> Bits {
-    frame.inertial.inertia.map(f64::to_bits)
+fn bits(link: &Link) -> Bits {
+    link.inertial.inertia.map(f64::to_bits)
 }
 
 /// Returns whether a link has an isotropic inertia that several links of other masses have, too.
-fn repeated(model: &Model) -> impl Fn(&Frame) -> bool + '_ {
+fn repeated(model: &Model) -> impl Fn(&Link) -> bool + '_ {
     let mut masses: HashMap<Bits, Vec<u64>> = HashMap::new();
-    for frame in model.frames().iter().filter(|frame| frame.link.is_some()) {
-        masses.entry(bits(frame)).or_default().push(frame.inertial.mass.to_bits());
+    for link in model.links().iter().filter(|link| link.moving_link.is_some()) {
+        masses.entry(bits(link)).or_default().push(link.inertial.mass.to_bits());
     }
     // For each inertia, whether enough links have it, with different masses.
     let suspicious: HashSet<Bits> = masses
@@ -143,8 +143,8 @@ fn repeated(model: &Model) -> impl Fn(&Frame) -> bool + '_ {
         .filter(|(_, m)| m.len() >= REPEATED && m.iter().any(|mass| *mass != m[0]))
         .map(|(inertia, _)| inertia)
         .collect();
-    move |frame| {
-        let inertia = bits(frame);
+    move |link| {
+        let inertia = bits(link);
         let [xx, xy, xz, yy, yz, zz] = inertia;
         let is_round = [xy, xz, yz] == [0; 3] && xx == yy && yy == zz;
         is_round && suspicious.contains(&inertia)

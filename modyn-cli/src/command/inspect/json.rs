@@ -18,7 +18,7 @@ pub fn of(inspection: &Inspection) -> String {
         .modules()
         .iter()
         .map(|module| {
-            let links = &model.links()[module.links.clone()];
+            let links = &model.moving_links()[module.links.clone()];
             json!({
                 "parent": module.parent,
                 "children": module.children,
@@ -39,17 +39,17 @@ pub fn of(inspection: &Inspection) -> String {
         "gravity": model.gravity(),
         "coordinates": model.coordinate_names(),
         "velocities": model.velocity_names(),
-        "joints": (0..model.links().len()).map(|i| joint(model, i)).collect::<Vec<_>>(),
+        "joints": (0..model.moving_links().len()).map(|i| joint(model, i)).collect::<Vec<_>>(),
         "loops": model.loop_constraints().iter().map(|constraint| json!({
             "name": constraint.name,
             "type": constraint.kind.name(),
             "axis": constraint.kind.axis(),
-            "links": constraint.ends.each_ref().map(|end| &model.frames()[end.frame].name),
+            "links": constraint.ends.each_ref().map(|end| &model.links()[end.link].name),
         })).collect::<Vec<_>>(),
         "contacts": model.contacts().iter().map(|contact| json!({
             "name": contact.name,
             "type": contact.kind.name(),
-            "link": model.frames()[contact.end.frame].name,
+            "link": model.links()[contact.end.link].name,
         })).collect::<Vec<_>>(),
         "actuators": actuators::json(model),
         "keyframes": model.keyframes().iter().map(|key| json!({
@@ -59,7 +59,7 @@ pub fn of(inspection: &Inspection) -> String {
             "ctrl": key.ctrl,
             "act": key.act,
         })).collect::<Vec<_>>(),
-        "links": model.links().iter().map(|link| json!({
+        "links": model.moving_links().iter().map(|link| json!({
             "name": link.name,
             "mass": link.inertial.mass,
             "center_of_mass": link.inertial.center_of_mass,
@@ -78,7 +78,7 @@ pub fn of(inspection: &Inspection) -> String {
 }
 
 fn joint(model: &Model, link: usize) -> Value {
-    let moved = &model.links()[link];
+    let moved = &model.moving_links()[link];
     let joint = &moved.joint;
     let q = model.q_range(link);
     let v = model.v_range(link);
@@ -87,7 +87,7 @@ fn joint(model: &Model, link: usize) -> Value {
         "name": joint.name,
         "type": joint.joint_type.name(),
         "link": moved.name,
-        "parent": moved.parent.map(|parent| &model.links()[parent].name),
+        "parent": moved.parent.map(|parent| &model.moving_links()[parent].name),
         "axis": joint.axis,
         "q": [q.start, q.end],
         "v": [v.start, v.end],
@@ -98,7 +98,7 @@ fn joint(model: &Model, link: usize) -> Value {
             "effort": limits.effort,
         })),
         "mimic": model.mimic(link).map(|mimic| json!({
-            "joint": model.links()[mimic.leader].joint.name,
+            "joint": model.moving_links()[mimic.leader].joint.name,
             "multiplier": mimic.multiplier,
             "offset": mimic.offset,
         })),

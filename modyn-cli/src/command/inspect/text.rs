@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use modyn_codegen::MAX_CONDITION_F32;
 use modyn_codegen::diagnostics::sanitize_for_display;
-use modyn_runtime::model::{Contact, JointFriction, Link, LoopConstraint, Model, ModuleTree};
+use modyn_runtime::model::{Contact, JointFriction, LoopConstraint, Model, ModuleTree, MovingLink};
 use unicode_width::UnicodeWidthStr;
 
 use super::{Cost, Inspection, actuators, advice};
@@ -29,7 +29,7 @@ pub fn page(inspection: &Inspection) -> String {
     let mut out = format!(
         "{}: {} moving links, {} coordinates, {} velocities, {} kg\n",
         sanitize_for_display(model.name()),
-        model.links().len(),
+        model.moving_links().len(),
         model.nq(),
         model.nv(),
         four_digits(advice::total_mass(model)),
@@ -80,7 +80,7 @@ pub fn page(inspection: &Inspection) -> String {
 /// Returns the contacts, one on a line.
 fn contacts(model: &Model) -> String {
     let line = |contact: &Contact| {
-        let link = sanitize_for_display(&model.frames()[contact.end.frame].name);
+        let link = sanitize_for_display(&model.links()[contact.end.link].name);
         format!("{} ({}): {link}\n", sanitize_for_display(&contact.name), contact.kind.name())
     };
     model.contacts().iter().map(line).collect()
@@ -92,7 +92,7 @@ fn loops(model: &Model) -> String {
         let [first, second] = constraint
             .ends
             .each_ref()
-            .map(|end| sanitize_for_display(&model.frames()[end.frame].name));
+            .map(|end| sanitize_for_display(&model.links()[end.link].name));
         format!(
             "{} ({}): {first} and {second}\n",
             sanitize_for_display(&constraint.name),
@@ -128,7 +128,7 @@ fn joints(model: &Model) -> String {
     let mut table = Table::new(&[
         "q", "joint", "type", "axis", "parent", "lower", "upper", "velocity", "effort", "",
     ]);
-    for (i, link) in model.links().iter().enumerate() {
+    for (i, link) in model.moving_links().iter().enumerate() {
         let joint = &link.joint;
         let limits = joint.limits.as_ref();
         let q = model.q_range(i);
@@ -152,8 +152,9 @@ fn joints(model: &Model) -> String {
     table.with_remarks().fitted()
 }
 
-fn parent(model: &Model, link: &Link) -> String {
-    link.parent.map_or_else(|| "the base".into(), |p| sanitize_for_display(&model.links()[p].name))
+fn parent(model: &Model, link: &MovingLink) -> String {
+    link.parent
+        .map_or_else(|| "the base".into(), |p| sanitize_for_display(&model.moving_links()[p].name))
 }
 
 /// Returns whether damping acts, and whether Coulomb friction acts.
@@ -167,10 +168,10 @@ pub fn active_friction(model: &Model) -> [bool; 2] {
 
 /// Returns notes on a joint: mimic relation, armature, spring, damping, friction.
 fn notes(model: &Model, link: usize) -> String {
-    let joint = &model.links()[link].joint;
+    let joint = &model.moving_links()[link].joint;
     let mut notes = Vec::new();
     if let Some(mimic) = model.mimic(link) {
-        let leader = sanitize_for_display(&model.links()[mimic.leader].joint.name);
+        let leader = sanitize_for_display(&model.moving_links()[mimic.leader].joint.name);
         let ratio = four_digits(mimic.multiplier);
         let offset = four_digits(mimic.offset);
         notes.push(format!("follows {leader} times {ratio} plus {offset}"));
@@ -198,13 +199,13 @@ fn notes(model: &Model, link: usize) -> String {
 
 fn links(model: &Model) -> String {
     let mut table = Table::new(&["link", "mass", "centre of mass", "principal moments", "carries"]);
-    let mut carried = vec![Vec::new(); model.links().len()];
-    for frame in model.frames() {
-        if let Some(link) = frame.link.filter(|&link| model.links()[link].name != frame.name) {
-            carried[link].push(sanitize_for_display(&frame.name));
+    let mut carried = vec![Vec::new(); model.moving_links().len()];
+    for link in model.links() {
+        if let Some(i) = link.moving_link.filter(|&i| model.moving_links()[i].name != link.name) {
+            carried[i].push(sanitize_for_display(&link.name));
         }
     }
-    for (link, carried) in model.links().iter().zip(&carried) {
+    for (link, carried) in model.moving_links().iter().zip(&carried) {
         table.row([
             sanitize_for_display(&link.name),
             four_digits(link.inertial.mass),
@@ -234,7 +235,7 @@ fn tree(model: &Model, tree: &ModuleTree) -> String {
     while let Some((m, indent, last)) = waiting.pop() {
         let links = modules[m].links.clone();
         let names: Vec<String> =
-            links.map(|i| sanitize_for_display(&model.links()[i].name)).collect();
+            links.map(|i| sanitize_for_display(&model.moving_links()[i].name)).collect();
         let (branch, below) = if last { ("└─", "   ") } else { ("├─", "│  ") };
         let start = format!("{indent}{branch} {m}: ");
         let room = WIDTH.saturating_sub(start.width()).max(LEAST_NAMES);

@@ -110,7 +110,7 @@ impl Motion {
     /// Returns the names of the joints, mimic joints included, that exceeded their limits.
     pub fn beyond_limits(&self, model: &Model) -> Vec<String> {
         let beyond = |&link: &usize| {
-            let Some(limits) = &model.links()[link].joint.limits else { return false };
+            let Some(limits) = &model.moving_links()[link].joint.limits else { return false };
             let ratio = model.mimic(link).map_or((1.0, 0.0), |m| (m.multiplier, m.offset));
             let range = model.q_range(link);
             self.samples.iter().flat_map(|sample| &sample.q[range.clone()]).any(|&q| {
@@ -119,9 +119,9 @@ impl Motion {
                     || limits.upper.is_some_and(|upper| q > upper + 1e-9)
             })
         };
-        (0..model.links().len())
+        (0..model.moving_links().len())
             .filter(beyond)
-            .map(|link| model.links()[link].joint.name.clone())
+            .map(|link| model.moving_links()[link].joint.name.clone())
             .collect()
     }
 }

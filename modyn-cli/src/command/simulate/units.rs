@@ -47,7 +47,7 @@ pub fn velocities(model: &Model) -> Vec<Kind> {
 
 fn kinds(model: &Model, components: fn(JointType) -> &'static [&'static str]) -> Vec<Kind> {
     let independent =
-        model.links().iter().map(|link| &link.joint).filter(|joint| joint.mimic.is_none());
+        model.moving_links().iter().map(|link| &link.joint).filter(|joint| joint.mimic.is_none());
     let kind = |joint_type, component: &&str| match *component {
         "" if joint_type == JointType::Prismatic => Kind::Displacement,
         "x" | "y" | "z" | "vx" | "vy" | "vz" => Kind::Displacement,

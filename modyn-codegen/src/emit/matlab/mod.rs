@@ -29,8 +29,7 @@ impl Backend for Matlab {
 
     fn print(&self, robot: &PlannedRobot<'_>) -> Vec<File> {
         let package = names::snake(robot.stem);
-        let links: Vec<&str> =
-            robot.model.frames().iter().map(|frame| frame.name.as_str()).collect();
+        let links: Vec<&str> = robot.model.links().iter().map(|link| link.name.as_str()).collect();
         let printer = Printer {
             package: &package,
             frames: &robot.plan.frames,

@@ -14,7 +14,7 @@ impl Robot<'_> {
         let nq = self.model.nq();
         let nv = self.model.nv();
         let name = self.name;
-        let links = self.model.frames().len();
+        let links = self.model.links().len();
         let _ = writeln!(
             text,
             "\n/// The length of the coordinate vector.\npub const {upper}_NQ: usize = {nq};\n\

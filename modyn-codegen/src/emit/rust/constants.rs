@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use modyn_runtime::OperationCount;
-use modyn_runtime::model::{Keyframe, Link};
+use modyn_runtime::model::{Keyframe, MovingLink};
 
 use super::Robot;
 use crate::names;
@@ -196,7 +196,7 @@ impl Robot<'_> {
         for (module, block) in self.modules.modules().iter().zip(self.plan.layout.blocks()) {
             let range = module.links.clone();
             let link_names: Vec<&str> =
-                self.model.links()[range.clone()].iter().map(|l| l.name.as_str()).collect();
+                self.model.moving_links()[range.clone()].iter().map(|l| l.name.as_str()).collect();
             let _ = writeln!(
                 text,
                 "__modyn::KinematicModule {{ parent: ::core::option::Option::{:?}, children: &{:?}, \
@@ -214,10 +214,11 @@ impl Robot<'_> {
     /// Prints limits, armature, damping and friction, by coordinate or velocity.
     fn limits(&self, text: &mut String) {
         let independent = || {
-            let links = self.model.links().iter().enumerate();
+            let links = self.model.moving_links().iter().enumerate();
             links.filter(|(_, link)| link.joint.mimic.is_none())
         };
-        let list = |length: fn(&Link) -> usize, number: &dyn Fn(usize, &Link) -> f64| {
+        let list = |length: fn(&MovingLink) -> usize,
+                    number: &dyn Fn(usize, &MovingLink) -> f64| {
             let numbers: Vec<String> = independent()
                 .flat_map(|(i, link)| std::iter::repeat_n(number(i, link), length(link)))
                 .map(|x| match x {
@@ -228,11 +229,11 @@ impl Robot<'_> {
                 .collect();
             numbers.join(", ")
         };
-        let limit = |link: &Link, pick: fn(&modyn_runtime::model::Limits) -> Option<f64>| {
+        let limit = |link: &MovingLink, pick: fn(&modyn_runtime::model::Limits) -> Option<f64>| {
             link.joint.limits.as_ref().and_then(pick)
         };
-        let nq = |link: &Link| link.joint.joint_type.nq();
-        let nv = |link: &Link| link.joint.joint_type.nv();
+        let nq = |link: &MovingLink| link.joint.joint_type.nq();
+        let nv = |link: &MovingLink| link.joint.joint_type.nv();
         let _ = writeln!(
             text,
             "/// The joint limits of the description; infinite without a limit.\n\

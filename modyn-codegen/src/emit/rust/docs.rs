@@ -24,7 +24,7 @@ pub(super) fn robot(text: &mut String, robot: &Robot<'_>, operations: &[(&str, O
     let mut lines = format!(
         "Dynamics of the robot {}, compiled by modyn: {} moving joints, {} degrees of freedom.\n\n",
         code(model.name()),
-        model.links().len(),
+        model.moving_links().len(),
         model.nv(),
     );
     example(&mut lines, robot);
@@ -47,8 +47,10 @@ pub(super) fn robot(text: &mut String, robot: &Robot<'_>, operations: &[(&str, O
     options(&mut lines, robot);
     lines.push_str("\n# Kinematic modules\n\n");
     for (m, module) in robot.modules.modules().iter().enumerate() {
-        let links: Vec<String> =
-            model.links()[module.links.clone()].iter().map(|link| code(&link.name)).collect();
+        let links: Vec<String> = model.moving_links()[module.links.clone()]
+            .iter()
+            .map(|link| code(&link.name))
+            .collect();
         let parent = module.parent.map_or_else(|| "the base".into(), |p| format!("module {p}"));
         let _ = writeln!(lines, "- module {m} on {parent}: {}", links.join(", "));
     }
@@ -123,7 +125,8 @@ fn example(lines: &mut String, robot: &Robot<'_>) {
             function.row().arguments.iter().map(|argument| format!("&{}", argument.name)).collect();
         if function.row().by_link {
             let variants = names::variants(&robot.link_names());
-            let tip = robot.model.links().last().and_then(|l| robot.model.frame_index(&l.name));
+            let tip =
+                robot.model.moving_links().last().and_then(|l| robot.model.link_index(&l.name));
             let link = tip.map_or("", |tip| variants[tip].as_str());
             arguments.push(format!("{name}Link::{link}"));
         }
@@ -144,14 +147,14 @@ fn joints(lines: &mut String, model: &Model) {
         "\n# Joints\n\n\
          | | joint | type | `q` | `qd` | link | parent link |\n|---|---|---|---|---|---|---|\n",
     );
-    for (i, link) in model.links().iter().enumerate() {
+    for (i, link) in model.moving_links().iter().enumerate() {
         let parent =
-            link.parent.map_or_else(|| "the base".into(), |p| code(&model.links()[p].name));
+            link.parent.map_or_else(|| "the base".into(), |p| code(&model.moving_links()[p].name));
         let type_name = link.joint.joint_type.name();
         let kind = match &link.joint.mimic {
             None => type_name.to_string(),
             Some(mimic) => {
-                let leader = code(&model.links()[mimic.leader].joint.name);
+                let leader = code(&model.moving_links()[mimic.leader].joint.name);
                 format!(
                     "{type_name}, mimics {leader}: {:?} q + {:?}",
                     mimic.multiplier, mimic.offset
@@ -190,7 +193,7 @@ fn loops(lines: &mut String, model: &Model) {
     );
     for (i, constraint) in model.loop_constraints().iter().enumerate() {
         let [first, second] =
-            constraint.ends.each_ref().map(|end| code(&model.frames()[end.frame].name));
+            constraint.ends.each_ref().map(|end| code(&model.links()[end.link].name));
         let name = code(&constraint.name);
         let kind = constraint.kind.name();
         let _ = writeln!(lines, "| {i} | {name} | {kind} | {first} | {second} |");
@@ -207,7 +210,7 @@ fn contacts(lines: &mut String, model: &Model) {
          | | contact | type | link |\n|---|---|---|---|\n",
     );
     for (i, contact) in model.contacts().iter().enumerate() {
-        let link = code(&model.frames()[contact.end.frame].name);
+        let link = code(&model.links()[contact.end.link].name);
         let name = code(&contact.name);
         let kind = contact.kind.name();
         let _ = writeln!(lines, "| {i} | {name} | {kind} | {link} |");
@@ -252,7 +255,7 @@ fn options(lines: &mut String, robot: &Robot<'_>) {
     for (option, links) in
         [("runtime_inertia", &choices.runtime_inertia), ("payload", &choices.payload)]
     {
-        let names: Vec<String> = links.iter().map(|&i| code(&model.frames()[i].name)).collect();
+        let names: Vec<String> = links.iter().map(|&i| code(&model.links()[i].name)).collect();
         if !names.is_empty() {
             let _ = writeln!(lines, "- `{option}`: {}", names.join(", "));
         }

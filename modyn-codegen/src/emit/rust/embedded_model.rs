@@ -7,7 +7,7 @@
 use std::fmt::Write as _;
 
 use modyn_runtime::model::{
-    Actuation, ContactShape, JointSum, Limits, Link, Model, SoftConstraints, Spring,
+    Actuation, ContactShape, JointSum, Limits, Model, MovingLink, SoftConstraints, Spring,
 };
 
 use super::Robot;
@@ -17,8 +17,8 @@ const IMPORTS: &str = "\
 use ::core::option::Option::{None, Some};
     use __modyn::joint::JointType;
     use __modyn::model::{
-        Contact, ContactKind, Frame, Joint, JointDynamics, JointFriction, Limits, Link,
-        LoopConstraint, LoopConstraintEnd, LoopConstraintKind, Mimic, Model,
+        Contact, ContactKind, Joint, JointDynamics, JointFriction, Limits, Link, LoopConstraint,
+        LoopConstraintEnd, LoopConstraintKind, Mimic, Model, MovingLink,
     };
     use __modyn::{Inertial, Pose};";
 
@@ -26,11 +26,11 @@ impl Robot<'_> {
     /// Prints the implementation of `EmbeddedModel`.
     pub(super) fn embedded_model(&self, text: &mut String) {
         let model = self.model;
-        let links = list(model.links().iter().map(link));
-        let frames = list(model.frames().iter().map(|frame| {
+        let moving_links = list(model.moving_links().iter().map(moving_link));
+        let links = list(model.links().iter().map(|link| {
             format!(
-                "Frame {{ name: {:?}.into(), link: {:?}, pose: {:?}, inertial: {:?} }}",
-                frame.name, frame.link, frame.pose, frame.inertial
+                "Link {{ name: {:?}.into(), moving_link: {:?}, pose: {:?}, inertial: {:?} }}",
+                link.name, link.moving_link, link.pose, link.inertial
             )
         }));
         let loops = list(model.loop_constraints().iter().map(|constraint| {
@@ -87,17 +87,18 @@ impl Robot<'_> {
         let _ = writeln!(
             text,
             "impl __modyn::EmbeddedModel for {} {{\nfn model() -> __modyn::model::Model {{\n    {IMPORTS}\n    \
-             let links: [Link; {}] = {links};\n    let frames: [Frame; {}] = {frames};\n    \
+             let moving_links: [MovingLink; {}] = {moving_links};\n    \
+             let links: [Link; {}] = {links};\n    \
              let loops: [LoopConstraint; {}] = {loops};\n    let contacts: [Contact; {}] = {contacts};\n    \
-             let model = Model::new({:?}, {:?}, links.into(), frames.into());\n    \
+             let model = Model::new({:?}, {:?}, moving_links.into(), links.into());\n    \
              let model = model.and_then(|model| model.with_joint_friction(JointFriction::{:?}));\n    \
              {passive}let model = model.and_then(|model| model.with_loop_constraints(loops.into()));\n    \
              model\n        .and_then(|model| model.with_contacts(contacts.into()))\n        \
              {soft}{actuation}{keyframes}\
              .expect(\"the model was valid when this was compiled\")\n}}\n}}\n",
             self.name,
+            model.moving_links().len(),
             model.links().len(),
-            model.frames().len(),
             model.loop_constraints().len(),
             model.contacts().len(),
             model.name(),
@@ -253,8 +254,8 @@ fn numbers(numbers: &[f64]) -> String {
     numbers.iter().map(|number| format!("{number:?}")).collect::<Vec<_>>().join(", ")
 }
 
-fn link(link: &Link) -> String {
-    let Link { name, parent, joint, inertial } = link;
+fn moving_link(link: &MovingLink) -> String {
+    let MovingLink { name, parent, joint, inertial } = link;
     let limits = match &joint.limits {
         None => "None".into(),
         Some(Limits { lower, upper, velocity, effort }) => {
@@ -265,7 +266,7 @@ fn link(link: &Link) -> String {
         }
     };
     format!(
-        "Link {{ name: {name:?}.into(), parent: {parent:?}, joint: Joint {{ name: {:?}.into(), \
+        "MovingLink {{ name: {name:?}.into(), parent: {parent:?}, joint: Joint {{ name: {:?}.into(), \
          joint_type: JointType::{:?}, axis: {:?}, second_axis: {:?}, origin: {:?}, limits: {limits}, mimic: {:?}, \
          dynamics: {:?} }}, inertial: {inertial:?} }}",
         joint.name,

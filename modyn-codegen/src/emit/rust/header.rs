@@ -42,7 +42,7 @@ impl Robot<'_> {
             coordinates_in_c(self.model),
             self.model.nq(),
             self.model.nv(),
-            self.model.frames().len(),
+            self.model.links().len(),
             8 * size,
             8 * size,
         );

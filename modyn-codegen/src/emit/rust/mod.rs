@@ -171,11 +171,11 @@ impl Robot<'_> {
     }
 
     fn joint_names(&self) -> Vec<&str> {
-        self.model.links().iter().map(|link| link.joint.name.as_str()).collect()
+        self.model.moving_links().iter().map(|link| link.joint.name.as_str()).collect()
     }
 
     fn link_names(&self) -> Vec<&str> {
-        self.model.frames().iter().map(|frame| frame.name.as_str()).collect()
+        self.model.links().iter().map(|link| link.name.as_str()).collect()
     }
 
     fn link_variants(&self) -> Vec<String> {

@@ -177,7 +177,7 @@ impl Robot<'_> {
     fn joint_of(&self, v: usize) -> &str {
         let is_independent =
             |i: &usize| self.model.mimic(*i).is_none() && self.model.v_range(*i).contains(&v);
-        let link = (0..self.model.links().len()).find(is_independent);
-        link.map_or("", |link| self.model.links()[link].joint.name.as_str())
+        let link = (0..self.model.moving_links().len()).find(is_independent);
+        link.map_or("", |link| self.model.moving_links()[link].joint.name.as_str())
     }
 }

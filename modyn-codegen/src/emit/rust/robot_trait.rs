@@ -14,7 +14,7 @@ impl Robot<'_> {
         let name = self.name;
         let nq = self.model.nq();
         let nv = self.model.nv();
-        let links = self.model.frames().len();
+        let links = self.model.links().len();
         let constraints = self.model.constraints();
         let contacts = self.model.contacts().len();
         let contacts_type = self.contacts_type();
@@ -30,7 +30,7 @@ impl Robot<'_> {
             + &names(sizes.activations, "ACTIVATION_NAMES");
         let shapes = self.model.touching_shapes();
         let center = |TouchingShape { end, .. }: &TouchingShape| {
-            let center = ShapeCenter { link: end.frame, place: end.pose.translation };
+            let center = ShapeCenter { link: end.link, place: end.pose.translation };
             format!("__modyn::{center:?}, ")
         };
         let centers = match shapes.iter().map(center).collect::<String>() {
@@ -91,7 +91,7 @@ impl Robot<'_> {
             activations = sizes.activations,
             states = 2 * sizes.nv + sizes.activations,
             rows = self.model.constraint_rows(),
-            columns = PARAMETERS_PER_LINK * self.model.links().len(),
+            columns = PARAMETERS_PER_LINK * self.model.moving_links().len(),
         );
         // The trait, which all robots share, has no fused functions.
         for quantity in quantities.iter().filter(|quantity| quantity.function.is_some()) {

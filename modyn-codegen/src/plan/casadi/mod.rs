@@ -74,7 +74,7 @@ impl CasadiPlan {
         budget: &mut Budget,
     ) -> Result<Self, TooLong> {
         let tracer = &context.tracer;
-        let frames: Vec<&str> = model.frames().iter().map(|frame| frame.name.as_str()).collect();
+        let frames: Vec<&str> = model.links().iter().map(|link| link.name.as_str()).collect();
         let links = names::fields(&frames, &[]);
         let mut plan = Self::default();
         let has_form =

@@ -255,14 +255,14 @@ impl<'e> Bodies<'e, '_, '_> {
     /// moments: how its force opposes the acceleration of its length. `None` if it is not known.
     fn inertias_at(&self, actuators: &[Vec<(usize, f64)>]) -> Option<Vec<f64>> {
         let model = self.free_model()?;
-        let links = model.links().len();
+        let links = model.moving_links().len();
         if actuators.len() > MAX_SPRING_DAMPERS || actuators.len() * links > MAX_ACCELERATIONS {
             return None;
         }
         // The inertias become part of generated text, which must be the same on every host.
         let portable = |numbers: &Vec<f64>| numbers.iter().copied().map(Portable).collect();
         let q: Vec<Portable> = model.keyframes().first().map(|drawn| portable(&drawn.q))?;
-        let records = model.links().iter().enumerate();
+        let records = model.moving_links().iter().enumerate();
         let places: HashMap<String, usize> = records
             .map(|(link, record)| (record.joint.name.clone(), model.v_range(link).start))
             .collect();

@@ -31,12 +31,13 @@ impl Bodies<'_, '_, '_> {
             return self.refuse_many(first);
         }
         let Some(model) = self.free_model() else { return self.refuse_spring_damper(first) };
-        let has_inertia = model.links().iter().any(|link| link.inertial != Inertial::default());
+        let has_inertia =
+            model.moving_links().iter().any(|link| link.inertial != Inertial::default());
         let q = model.keyframes().first().map(|drawn| drawn.q.clone()).unwrap_or_default();
-        if self.spring_dampers.len() * model.links().len() > MAX_ACCELERATIONS {
+        if self.spring_dampers.len() * model.moving_links().len() > MAX_ACCELERATIONS {
             return self.refuse_many(first);
         }
-        let records = model.links().iter().enumerate();
+        let records = model.moving_links().iter().enumerate();
         let places: HashMap<_, _> =
             records.map(|(link, record)| (record.joint.name.as_str(), link)).collect();
         let link_of =

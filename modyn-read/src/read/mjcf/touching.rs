@@ -182,7 +182,7 @@ impl<'e> Bodies<'e, '_, '_> {
         let contact = replaced.with_friction(ground.friction);
         Some(TouchingShape {
             name: String::new(),
-            end: LoopConstraintEnd { frame: geom.carrier.link, pose },
+            end: LoopConstraintEnd { link: geom.carrier.link, pose },
             shape,
             components: contact.components,
             surface: contact.surface(ground.pose, radius),

@@ -99,7 +99,7 @@ impl BaseParameters {
     /// tree.
     #[must_use]
     pub fn values(&self, model: &Model) -> Vec<f64> {
-        let links = 0..model.links().len();
+        let links = 0..model.moving_links().len();
         let all = links.filter_map(|link| model.inertial_parameters(link));
         self.values_of(&all.flatten().collect::<Vec<f64>>())
     }
@@ -129,7 +129,7 @@ struct Unit(f64);
 
 impl Unit {
     fn new(model: &Model) -> Self {
-        let longest = longest_path(model.links());
+        let longest = longest_path(model.moving_links());
         Self(if longest > 0.0 { power_of_two(longest) } else { 1.0 })
     }
 
@@ -176,7 +176,7 @@ fn stacked_regressors(model: &Model, unit: Unit) -> Vec<Vec<f64>> {
     let workspace = &mut Workspace::new(&mechanism);
     let nq = model.nq();
     let nv = model.nv();
-    let count = PARAMETERS_PER_LINK * model.links().len();
+    let count = PARAMETERS_PER_LINK * model.moving_links().len();
     // Four times as many rows as columns, and for each joint four times as many states as a link
     // has parameters: the rank at random states is then the largest possible.
     let states = (4 * count).div_ceil(nv).max(4 * PARAMETERS_PER_LINK);
@@ -257,7 +257,7 @@ fn name(model: &Model, combination: &[(usize, f64)]) -> String {
         });
         text.push_str(INERTIAL_PARAMETERS[index % PARAMETERS_PER_LINK]);
         text.push('_');
-        text.push_str(&model.links()[index / PARAMETERS_PER_LINK].name);
+        text.push_str(&model.moving_links()[index / PARAMETERS_PER_LINK].name);
         let factor = coefficient.abs();
         if factor != 1.0 {
             let digits = format!("{factor:.5e}");
@@ -286,7 +286,7 @@ mod tests {
     use super::*;
     use crate::Interpreter;
     use crate::joint::JointType;
-    use crate::model::{DEFAULT_GRAVITY, Inertial, Joint, Link};
+    use crate::model::{DEFAULT_GRAVITY, Inertial, Joint, MovingLink};
     use crate::spatial::Pose;
 
     /// Returns two bodies on revolute joints with these axes.
@@ -300,7 +300,7 @@ mod tests {
                 center_of_mass: [0.1, 0.2, -0.3],
                 inertia: [0.3, 0.02, -0.01, 0.4, 0.03, 0.5],
             };
-            Link { name, parent: (i == 1).then_some(0), joint, inertial }
+            MovingLink { name, parent: (i == 1).then_some(0), joint, inertial }
         };
         let links = axes.into_iter().enumerate().map(link).collect();
         Model::new("r", DEFAULT_GRAVITY, links, Vec::new()).expect("good")

@@ -14,7 +14,7 @@ use super::function::Function;
 use super::shape::Sizes;
 use crate::Scalar;
 use crate::equations::Forces;
-use crate::interpreter::{FrameError, Interpreter, ShapeError, check};
+use crate::interpreter::{Interpreter, LinkError, ShapeError, check};
 use crate::spatial::Vector3;
 
 impl<S: Scalar> Interpreter<S> {
@@ -38,7 +38,7 @@ impl<S: Scalar> Interpreter<S> {
     /// let mut energy = [0.0];
     /// pendulum.evaluate(Function::KineticEnergy, &[&[0.3], &[2.0]], 0, &mut energy)?;
     /// assert_eq!(energy, [0.5 * 2.0 * 1.0]);
-    /// # Ok::<(), modyn_runtime::FrameError>(())
+    /// # Ok::<(), modyn_runtime::LinkError>(())
     /// ```
     ///
     /// # Errors
@@ -52,11 +52,11 @@ impl<S: Scalar> Interpreter<S> {
         arguments: &[&[S]],
         link: usize,
         result: &mut [S],
-    ) -> Result<(), FrameError> {
+    ) -> Result<(), LinkError> {
         let row = function.row();
         let sizes = self.sizes();
         if let Some(joint) = self.joint_without_inertia().filter(|_| row.needs_inertia) {
-            return Err(FrameError::NoInertia { joint });
+            return Err(LinkError::NoInertia { joint });
         }
         if arguments.len() != row.arguments.len() {
             let expected = row.arguments.len();
@@ -81,7 +81,7 @@ impl<S: Scalar> Interpreter<S> {
 }
 
 /// Computes a function from numbers of the right lengths; a function of many states for one of them.
-fn compute<S: Scalar>(function: Function, call: Call<'_, S>) -> Result<(), FrameError> {
+fn compute<S: Scalar>(function: Function, call: Call<'_, S>) -> Result<(), LinkError> {
     use Function as F;
 
     let given = call.given;

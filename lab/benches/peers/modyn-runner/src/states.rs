@@ -80,7 +80,7 @@ pub fn write(robot: &Robot, folder: &Path) {
         fs::write(file(extension), bytes).expect("a folder to write to");
     };
     save("states", &states.concat().concat());
-    let joints = model.links().iter().map(|link| format!("{}\n", link.joint.name));
+    let joints = model.moving_links().iter().map(|link| format!("{}\n", link.joint.name));
     let text = format!("{nq} {nv}\n{}", joints.collect::<String>());
     fs::write(file("model"), text).expect("a folder to write to");
 

@@ -49,7 +49,7 @@ impl<'a> Joints<'a> {
         sizes: [usize; 2],
     ) -> Result<Self, Failure> {
         let mut places = Vec::new();
-        for (i, link) in model.links().iter().enumerate() {
+        for (i, link) in model.moving_links().iter().enumerate() {
             let joint = &link.joint;
             let kind = kind_of(joint.joint_type);
             let named = theirs.iter().position(|their| their.name == joint.name);
@@ -78,7 +78,7 @@ impl<'a> Joints<'a> {
             };
             let range = self.model.q_range(link);
             let joint_q = &mut q[range.clone()];
-            match (self.model.links()[link].joint.joint_type, &qpos[at..at + range.len()]) {
+            match (self.model.moving_links()[link].joint.joint_type, &qpos[at..at + range.len()]) {
                 (JointType::Floating, &[x, y, z, a, b, c, d]) => {
                     joint_q.copy_from_slice(&mujoco::from_qpos([x, y, z, a, b, c, d]));
                 }
@@ -98,7 +98,7 @@ impl<'a> Joints<'a> {
             let Some([at, _]) = *place else { continue };
             let joint_q = &q[self.model.q_range(link)];
             let their = &mut qpos[at..at + joint_q.len()];
-            match (self.model.links()[link].joint.joint_type, joint_q) {
+            match (self.model.moving_links()[link].joint.joint_type, joint_q) {
                 (JointType::Floating, &[x, y, z, a, b, c, d]) => {
                     their.copy_from_slice(&mujoco::to_qpos([x, y, z, a, b, c, d]));
                 }

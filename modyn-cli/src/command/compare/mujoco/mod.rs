@@ -293,7 +293,8 @@ fn remarks(
     if rows.iter().any(|row| row.diverged > 0) {
         remarks.push("states whose motion leaves all bounds in MuJoCo do not count".into());
     }
-    let followers = (0..model.links().len()).filter(|&link| model.mimic(link).is_some()).count();
+    let followers =
+        (0..model.moving_links().len()).filter(|&link| model.mimic(link).is_some()).count();
     if followers > 0 {
         remarks.push(format!(
             "{followers} joints follow others exactly in modyn and softly in MuJoCo: with `--mimic independent` \
