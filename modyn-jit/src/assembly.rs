@@ -11,11 +11,11 @@ use crate::function::{CompiledFunction, CompiledKernels, Kernel};
 use crate::generate::{MAX_ARRAYS, PADDING, generate};
 use crate::helper::{Helper, Helpers, Linkage};
 use crate::instruction_set::InstructionSet;
-use crate::looped::LoopedCode;
+use crate::looped::{Lanes, LoopedCode};
 use crate::lower::{Rows, lower};
 use crate::machine::Code;
 use crate::real::Real;
-use crate::values::Values;
+use crate::values::{Kept, Values};
 
 /// Returns the counts of the code of each function for one state, by name. The processor
 /// need not have the instruction set.
@@ -137,14 +137,15 @@ impl<S: Real> Assembly<S> {
         size: &mut CodeSize,
     ) -> CompiledKernels {
         let simd = simd.filter(|_| self.instruction_set.packs(size_of::<S>()));
-        let single = LoopedCode::new(simd.unwrap_or(scalar), arguments, |program, length| {
-            let (code, bytes) = self.append(program, &[length], false);
+        let program = simd.unwrap_or(scalar);
+        let single = LoopedCode::new(program, arguments, Lanes::Numbers, |program, length, _| {
+            let (code, bytes) = self.append(program, &[length], false, None);
             *size += bytes;
             code
         });
         let batch = self.batches.then(|| {
-            LoopedCode::new(scalar, arguments, |program, length| {
-                self.append(program, &[length], true).0
+            LoopedCode::new(scalar, arguments, Lanes::States, |program, length, kept| {
+                self.append(program, &[length], true, kept).0
             })
         });
         CompiledKernels::Looped { single: Box::new(single), batch: batch.map(Box::new) }
@@ -163,16 +164,29 @@ impl<S: Real> Assembly<S> {
             Some(simd) if self.instruction_set.packs(size_of::<S>()) => simd,
             _ => scalar,
         };
-        let (single, bytes) = self.append(single, arrays, false);
+        let (single, bytes) = self.append(single, arrays, false, None);
         *size += bytes;
-        let batch = self.batches.then(|| self.append(scalar, arrays, true).0);
+        let batch = self.batches.then(|| self.append(scalar, arrays, true, None).0);
         Kernel { single, batch }
     }
 
-    /// Compiles a program for one state, or for a batch. Code for independent constraint rows alone
-    /// is worth its length if it leaves out an eighth of the steps.
-    pub fn append(&mut self, program: &Program, arrays: &[usize], batch: bool) -> (Code, CodeSize) {
-        let lower = |rows| lower::<S>(program, arrays, self.instruction_set, batch, rows);
+    /// Compiles a program for one state, or for a batch whose states keep numbers. Code for
+    /// independent constraint rows alone is worth its length if it leaves out an eighth of the
+    /// steps.
+    pub fn append(
+        &mut self,
+        program: &Program,
+        arrays: &[usize],
+        batch: bool,
+        kept: Option<&Kept>,
+    ) -> (Code, CodeSize) {
+        let lower = |rows| {
+            let mut values = lower::<S>(program, arrays, self.instruction_set, batch, rows);
+            if let Some(kept) = kept {
+                values.keep(kept);
+            }
+            values
+        };
         let all = lower(Rows::All);
         let alternative = program.has_row_equations().then(|| lower(Rows::Independent));
         let independent = alternative.filter(|few| 8 * few.steps.len() <= 7 * all.steps.len());

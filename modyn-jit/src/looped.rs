@@ -2,22 +2,24 @@
 //!
 //! What runs before the loops, each routine, and what runs after them are functions of machine
 //! code. The loops themselves run here, or in the code of an object's entry. In a batch the lanes of
-//! each number are states. A state whose loop has ended keeps its numbers while others go on.
+//! each number are states. A state whose loop has ended keeps its numbers while others go on: the
+//! routines of a batch select them by a number that is negative in the lanes of such states.
 //!
 //! All numbers of a call are in one memory, which is the argument of each function:
 //!
 //! ```text
-//! arguments | results of `before` | arrays of the loops
+//! arguments | results of `before` | arrays of the loops | in a batch, which states run
 //! ```
 //!
 //! An array that no routine writes is read where `before` stores it.
 
 use std::collections::BTreeMap;
 
-use modyn_codegen::program::{Call, Entry, Loop, Loops, Place, Program, Read, Step, Table};
+use modyn_codegen::program::{Call, Entry, Loop, Loops, Place, Program, Read, Step, Table, Write};
 
 use crate::machine::{Code, Pages};
 use crate::real::Real;
+use crate::values::Kept;
 
 /// The code of a program with loops.
 pub(crate) struct LoopedCode {
@@ -50,6 +52,15 @@ pub(crate) struct Copied {
     pub count: usize,
 }
 
+/// The lanes of a program's vectors.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Lanes {
+    /// Numbers of one state.
+    Numbers,
+    /// A number of many states.
+    States,
+}
+
 /// The places of numbers in the memory.
 pub(crate) struct Layout {
     /// The length of the memory.
@@ -60,13 +71,15 @@ pub(crate) struct Layout {
     pub arrays: usize,
     /// The start of each array.
     starts: Vec<usize>,
+    /// In a batch, the number that is negative for states whose loop has ended.
+    runs: Option<usize>,
     /// For each array that no routine writes, the places of its entries among the stored numbers.
     unwritten: Vec<Option<BTreeMap<usize, usize>>>,
 }
 
 impl Layout {
     /// Returns the places of a program with so many arguments and results of `before`.
-    fn new(loops: &Loops, arguments: usize, results: usize) -> Self {
+    fn new(loops: &Loops, arguments: usize, results: usize, lanes: Lanes) -> Self {
         let mut is_written = vec![false; loops.arrays.len()];
         note_writes(&loops.steps, &mut is_written);
         let mut stored = vec![BTreeMap::new(); loops.arrays.len()];
@@ -86,7 +99,9 @@ impl Layout {
             starts.push(length);
             length += if unwritten.is_some() { 0 } else { array.len() };
         }
-        Self { length, before: arguments, arrays, starts, unwritten }
+        let runs = (lanes == Lanes::States).then_some(length);
+        length += usize::from(runs.is_some());
+        Self { length, before: arguments, arrays, starts, runs, unwritten }
     }
 
     /// Returns the place of an entry of an array.
@@ -105,6 +120,11 @@ impl Layout {
         }
     }
 
+    /// Returns the place of a number that a routine writes.
+    fn written(&self, write: &Write) -> usize {
+        self.starts[write.array] + fixed(write.place)
+    }
+
     /// Returns the place of an argument of what runs after the loops.
     fn after(&self, loops: &Loops, argument: usize) -> usize {
         let Some(number) = argument.checked_sub(self.before) else { return argument };
@@ -121,7 +141,7 @@ impl Layout {
                 routine: call.routine,
                 writes: runs(call.writes.iter().enumerate().map(|(from, write)| {
                     assert!(!write.adds, "results of a solver replace numbers");
-                    (from, self.starts[write.array] + fixed(write.place))
+                    (from, self.written(write))
                 })),
             },
             Step::Loop(Loop { table, end, steps, .. }) => PlannedStep::Loop {
@@ -179,23 +199,26 @@ fn runs(pairs: impl Iterator<Item = (usize, usize)>) -> Vec<Copied> {
 
 impl LoopedCode {
     /// Returns the code of a program with loops. `append` compiles a program whose arguments are
-    /// one array of this length.
+    /// one array of this length, and whose states keep numbers.
     pub fn new(
         program: &Program,
         arguments: usize,
-        mut append: impl FnMut(&Program, usize) -> Code,
+        lanes: Lanes,
+        mut append: impl FnMut(&Program, usize, Option<&Kept>) -> Code,
     ) -> Self {
         let parts = program.around_loops().expect("a program with loops");
         let loops = parts.loops;
-        let layout = Layout::new(loops, arguments, parts.before.results.len());
+        let layout = Layout::new(loops, arguments, parts.before.results.len(), lanes);
         let mut by_routine = BTreeMap::new();
         calls(&loops.steps, &mut by_routine);
         let mut routines = Vec::new();
         for (k, routine) in program.routines.iter().enumerate() {
-            let reads = &by_routine[&k].reads;
+            let Call { reads, writes, .. } = by_routine[&k];
             let placed =
                 routine.program.with_arguments_at(layout.length, |n| layout.read(reads[n]));
-            routines.push(append(&placed, layout.length));
+            let places = || writes.iter().map(|write| layout.written(write)).collect();
+            let kept = layout.runs.map(|runs| Kept { runs, places: places() });
+            routines.push(append(&placed, layout.length, kept.as_ref()));
         }
         let after = parts.after.with_arguments_at(layout.length, |n| layout.after(loops, n));
         let numbers = loops.stored.iter().enumerate();
@@ -203,8 +226,8 @@ impl LoopedCode {
             .filter(|(_, stored)| layout.unwritten[stored.entry.array].is_none())
             .map(|(k, stored)| (layout.before + k, layout.place(stored.entry)));
         Self {
-            before: append(&parts.before, arguments),
-            after: append(&after, layout.length),
+            before: append(&parts.before, arguments, None),
+            after: append(&after, layout.length, None),
             routines,
             plan: LoopPlan {
                 stored: runs(stored),
@@ -234,6 +257,7 @@ impl LoopedCode {
                 numbers.copy_from_slice(argument);
             }
             self.before.call(pages, &[given], rest);
+            // All states run: zero is not negative.
             memory[layout.arrays * lanes..].fill(S::default());
             for Copied { from, to, count } in stored {
                 memory.copy_within(from * lanes..(from + count) * lanes, to * lanes);
@@ -272,37 +296,40 @@ impl<S: Real> Run<'_, S> {
         for _ in 0..count {
             if let Some(end) = end {
                 let ends = &self.memory[end * self.lanes..][..self.lanes];
+                let mut states = self.is_running;
                 for (lane, end) in ends.iter().enumerate() {
-                    self.is_running &= !(u32::from(end.is_known_nonnegative()) << lane);
+                    states &= !(u32::from(end.is_known_nonnegative()) << lane);
                 }
-                if self.is_running == 0 {
+                self.run_only(states);
+                if states == 0 {
                     break;
                 }
             }
             self.steps(steps);
         }
-        self.is_running = outer;
+        self.run_only(outer);
+    }
+
+    /// Sets which states run, as bits.
+    fn run_only(&mut self, states: u32) {
+        if states == self.is_running {
+            return;
+        }
+        self.is_running = states;
+        let Some(runs) = self.code.plan.layout.runs else { return };
+        for (lane, runs) in self.memory[runs * self.lanes..][..self.lanes].iter_mut().enumerate() {
+            *runs = S::from_f64(if states >> lane & 1 == 1 { 0.0 } else { -1.0 });
+        }
     }
 
     fn routine(&mut self, routine: usize, writes: &[Copied]) {
         let lanes = self.lanes;
         self.code.routines[routine].call(self.pages, &[self.memory], self.results);
-        let is_whole = self.is_running == u32::MAX >> (u32::BITS as usize - lanes);
         for &Copied { from, to, count } in writes {
             let length = count * lanes;
             let from = &self.results[from * lanes..][..length];
             let to = &mut self.memory[to * lanes..][..length];
-            if is_whole {
-                to.copy_from_slice(from);
-                continue;
-            }
-            for (to, from) in to.chunks_exact_mut(lanes).zip(from.chunks_exact(lanes)) {
-                for (lane, (to, from)) in to.iter_mut().zip(from).enumerate() {
-                    if self.is_running >> lane & 1 == 1 {
-                        *to = *from;
-                    }
-                }
-            }
+            to.copy_from_slice(from);
         }
     }
 }

@@ -134,6 +134,15 @@ pub(crate) struct Reduced {
     pub results: [Value; 2],
 }
 
+/// The numbers that a routine's results replace. States whose loop has ended keep them.
+#[derive(Clone, Debug)]
+pub(crate) struct Kept {
+    /// The place of the number that is negative for states whose loop has ended.
+    pub runs: usize,
+    /// For each result, the place of the number that it replaces.
+    pub places: Vec<usize>,
+}
+
 /// A program on values.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Values {
@@ -220,6 +229,25 @@ impl Values {
                     .flat_map(|reduced| [reduced.angle, reduced.results[0], reduced.results[1]]);
                 [*squares, *limit].into_iter().chain(angles).collect()
             }
+        }
+    }
+
+    /// Replaces results by numbers of the first array of arguments, in the lanes that keep them.
+    pub fn keep(&mut self, kept: &Kept) {
+        let Some(&first) = self.results.first() else { return };
+        let lanes = self.lanes[first as usize];
+        let argument = |place: usize| {
+            let first = place as u32 * u32::from(lanes);
+            Definition::Argument { array: 0, first }
+        };
+        let zero = self.constants(vec![0; lanes.into()], lanes);
+        let runs = self.value(argument(kept.runs), lanes);
+        let runs = self.operation(Operation::LessOrEqual, &[zero, runs], lanes);
+        for (k, &place) in kept.places.iter().enumerate() {
+            let before = self.value(argument(place), lanes);
+            let before = self.operation(Operation::AndNot, &[runs, before], lanes);
+            let after = self.operation(Operation::And, &[runs, self.results[k]], lanes);
+            self.results[k] = self.operation(Operation::Or, &[after, before], lanes);
         }
     }
 

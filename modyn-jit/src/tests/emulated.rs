@@ -30,7 +30,7 @@ fn compare<F: Fuse>(
         _ => Helpers::new::<F>(),
     };
     let mut assembly = Assembly::<F>::new(instruction_set, batch, Linkage::Addresses(helpers));
-    let (code, _) = assembly.append(program, arrays, batch);
+    let (code, _) = assembly.append(program, arrays, batch, None);
     assert_eq!(assembly.kernels.len(), 1 + usize::from(program.has_row_equations()), "forms");
     let lanes = if batch { instruction_set.vector(true) / size_of::<F>() } else { 1 };
     // The lanes differ: the numbers of one state, rotated.
