@@ -14,8 +14,8 @@
 
 use modyn::na::{Cholesky, DMatrix, DVector};
 use modyn::{Array as _, Pose, Robot, functions};
+use mpc::pose_error::{pose_error, pose_error_derivative};
 
-use crate::pose_error::{pose_error, pose_error_derivative};
 use crate::tangent::within_limits;
 
 /// The options of the method.
@@ -72,7 +72,7 @@ where
         let mut q = if starts == 1 { middle::<R>() } else { R::random_configuration(&mut uniform) };
         for _ in 0..options.iterations {
             let error = pose_error(&R::link_pose(&q, link), target);
-            if error.norm() < options.tolerance {
+            if DVector::from_column_slice(&error).norm() < options.tolerance {
                 return Some(Reached { q, iterations, starts });
             }
             q = step::<R>(&q, link, target);
@@ -100,9 +100,10 @@ where
         + functions::Jacobian
         + functions::LinkPose,
 {
-    let error = pose_error(&R::link_pose(q, link), target);
-    let error = DVector::from_column_slice(error.as_slice());
-    let derivative = pose_error_derivative::<R>(q, link, target);
+    let pose = R::link_pose(q, link);
+    let error = DVector::from_column_slice(&pose_error(&pose, target));
+    let rows = pose_error_derivative::<R>(q, link, &pose, target);
+    let derivative = DMatrix::from_fn(6, R::NV, |i, j| rows[i].as_ref()[j]);
     let damping = DAMPING[0] * error.norm_squared() + DAMPING[1];
     // The displacements of the joints that stop at a limit.
     let (mut free, mut stops) = (vec![true; R::NV], DVector::zeros(R::NV));

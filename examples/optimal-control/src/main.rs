@@ -1,28 +1,26 @@
-//! Optimal control of robots that modyn compiled: iLQR, a linear-quadratic regulator, a whole-body controller by quadratic
-//! programs, and inverse kinematics. Prints a table of the results and of the times, each the best of several.
+//! Optimal control of robots that modyn compiled: model predictive control of an arm and of a trotting quadruped, a
+//! linear-quadratic regulator, and inverse kinematics. Prints a table of the results and of the times, each the best of several.
 //!
 //! `cargo run --release`
 
-mod ilqr;
+mod arm;
+#[cfg(test)]
+mod check;
 mod inverse_kinematics;
-mod jump;
 mod lqr;
-mod pose_error;
 mod problems;
-mod reaching;
 mod robots;
 mod tangent;
-mod whole_body;
+mod trot;
 
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
+use modyn::Pose;
 use modyn::simulate::State;
-use modyn::{Pose, Robot};
+use mpc::{Knot, Problem as _};
 
-use ilqr::Problem;
-use problems::{GAINS, Sway};
-use robots::{Arm, ArmLink, Quadruped};
+use robots::{Arm, ArmLink};
 
 /// The time of a part that a method does not have.
 const ZERO: Duration = Duration::ZERO;
@@ -32,48 +30,42 @@ fn main() {
         "| problem | size | result | iterations | solution, µs | each step and iteration, µs | of which derivatives, µs |"
     );
     println!("|---|---|---|---|---|---|---|");
-    reach_by_ilqr();
-    jump_by_ilqr();
+    follow_with_the_arm();
+    trot_with_the_quadruped();
     regulate();
-    sway();
     solve_inverse_kinematics();
 }
 
-fn reach_by_ilqr() {
-    let problem = problems::reaching();
-    let inputs = problems::hold(&problem);
-    let solve = || ilqr::solve(&problem, inputs.clone(), &ilqr::Options::default());
-    let solution = solve();
-    let last = &solution.states[solution.inputs.len()];
-    let error = pose_error::pose_error(&Arm::link_pose(&last.q, problem.link), &problem.target);
-    let size = format!("{} steps, 14 states, 7 torques", inputs.len());
-    let result =
-        format!("the hand is {} from the pose; {}", words(error.as_slice()), costs(&solution));
-    let time = best(10, solve);
-    let each = time / (inputs.len() * solution.iterations) as u32;
-    let times = [time, each, best(1000, || problem.linearize(0, &problem.start, &inputs[0]))];
-    row("iLQR, `arm7` reaches a pose", &size, &result, solution.iterations, times);
+fn follow_with_the_arm() {
+    let found = arm::follow(0.7);
+    let errors: Vec<String> = found.at_rest.iter().map(|error| words(error)).collect();
+    let result = format!(
+        "with a load that the model lacks, the hand rests {} from its poses; {:.0} % of the torques are at their limits",
+        errors.join(", "),
+        100.0 * found.limited
+    );
+    let problem = arm::problem(&arm::POSTURES[1], 1.0);
+    let (start, mut knot) = (State::at_rest(arm::POSTURES[0]), Knot::ZERO);
+    let derivatives = best(1000, || problem.linearize(0, &start, &problem.hold, &mut knot));
+    let time = found.times.into_iter().min().unwrap_or_default();
+    let size = format!("{} steps, 14 states, 7 torques", arm::STEPS);
+    let times = [time, time / arm::STEPS as u32, derivatives];
+    row("MPC, `arm7` follows poses", &size, &result, 1, times);
 }
 
-fn jump_by_ilqr() {
-    let problem = problems::jump();
-    let inputs = problems::stand(&problem);
-    let solve = || ilqr::solve(&problem, inputs.clone(), &ilqr::Options::default());
-    let solution = solve();
-    let last = &solution.states[solution.inputs.len()];
-    let away = |x: &State<Quadruped>| words(&Quadruped::difference(&problem.goal, &x.q));
-    let simulated = jump::simulate(&problem, &solution);
-    let size = format!("{} steps, 36 states, 12 torques", inputs.len());
+fn trot_with_the_quadruped() {
+    let found = trot::trot(300, &trot::PUSHES);
+    let [x, y, z] = found.error.map(|error| 1e3 * error);
     let result = format!(
-        "the base is {} from the pose in the air, on unilateral ground {}; {}",
-        away(last),
-        away(&simulated),
-        costs(&solution)
+        "with pushes of 0.3 m/s on unilateral ground, the base is at most {x:.0}, {y:.0} and {z:.0} mm from its motion"
     );
-    let time = best(10, solve);
-    let each = time / (inputs.len() * solution.iterations) as u32;
-    let times = [time, each, best(1000, || problem.linearize(0, &problem.start, &inputs[0]))];
-    row("iLQR, floating `quadruped` jumps", &size, &result, solution.iterations, times);
+    let problem = trot::Trot::at(trot::STEPS);
+    let (start, mut knot) = (State::at_rest(robots::standing()), Knot::ZERO);
+    let derivatives = best(1000, || problem.linearize(5, &start, &[0.1; 12], &mut knot));
+    let time = found.times.into_iter().min().unwrap_or_default();
+    let size = format!("{} steps, 36 states, 12 torques", trot::STEPS);
+    let times = [time, time / trot::STEPS as u32, derivatives];
+    row("MPC, floating `quadruped` trots", &size, &result, 1, times);
 }
 
 fn regulate() {
@@ -88,35 +80,6 @@ fn regulate() {
     );
     let (size, time) = ("14 states, 7 torques", best(20, problems::regulator));
     row("LQR, `arm7` keeps a posture", size, &result, regulator.iterations, [time, ZERO, ZERO]);
-}
-
-fn sway() {
-    let (sway, dt) = (Sway::default(), 0.002);
-    let mut state = State::<Quadruped>::at_rest(robots::standing());
-    let (mut worst, mut iterations, mut friction) = ([0.0_f64; 6], 0, 0.0_f64);
-    for k in 0..1000 {
-        let time = dt * f64::from(k);
-        let found = match whole_body::command(&state, &sway.at(time), GAINS) {
-            Ok(found) => found,
-            Err(status) => return eprintln!("no torques at {time} s: {status}"),
-        };
-        state = problems::move_on_ground(&state, dt, &found.tau).state;
-        let [x, y, z, a, b, c, ..] = Quadruped::difference(&sway.at(time + dt).q, &state.q);
-        let error = [x, y, z, a, b, c];
-        if norm(&error) > norm(&worst) {
-            worst = error;
-        }
-        iterations = iterations.max(found.iterations as usize);
-        friction = found.forces.iter().map(|[x, y, z]| x.hypot(*y) / z).fold(friction, f64::max);
-    }
-    let result = format!(
-        "the base is at most {} from its motion; forces use {:.0} % of the friction",
-        words(&worst),
-        100.0 * friction / whole_body::FRICTION
-    );
-    let time = best(200, || whole_body::command(&state, &sway.at(2.0), GAINS));
-    let size = "30 unknowns, 18 equations, 44 inequalities";
-    row("whole-body QP, floating `quadruped` sways", size, &result, iterations, [time, ZERO, ZERO]);
 }
 
 fn solve_inverse_kinematics() {
@@ -172,20 +135,9 @@ fn best<T>(calls: usize, mut call: impl FnMut() -> T) -> Duration {
     (0..calls).map(once).min().unwrap_or_default()
 }
 
-/// Returns the first and the last cost in words.
-fn costs<R: Robot>(solution: &ilqr::Solution<R>) -> String {
-    let (first, last) = (solution.costs[0], solution.costs[solution.costs.len() - 1]);
-    let end = if solution.converged { "" } else { ", not converged" };
-    format!("cost {first:.0} to {last:.3}{end}")
-}
-
 /// Returns a displacement in words; further entries do not count.
 fn words(displacement: &[f64]) -> String {
-    let length = norm(&displacement[..3]);
-    let angle = norm(&displacement[3..6]);
+    let norm = |x: &[f64]| x.iter().map(|x| x.powi(2)).sum::<f64>().sqrt();
+    let (length, angle) = (norm(&displacement[..3]), norm(&displacement[3..6]));
     format!("{:.2} mm and {:.2} mrad", 1e3 * length, 1e3 * angle)
-}
-
-fn norm(x: &[f64]) -> f64 {
-    x.iter().map(|x| x.powi(2)).sum::<f64>().sqrt()
 }

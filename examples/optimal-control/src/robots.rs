@@ -1,24 +1,29 @@
-//! The two robots of the examples: a fixed arm of seven joints, and a floating quadruped with a contact at each foot.
+//! The robots of the examples: a fixed arm of seven joints, the arm with a load and with the description's damping, and
+//! a floating quadruped with a contact at each foot.
 
 modyn::modyn! {
     pub(crate) Arm = "../../robots/arm7.urdf",
     joint_friction = none, // the description's damping does not act
     functions = [
-        forward_dynamics, gravity_torques, step_semi_implicit, step_semi_implicit_derivatives,
+        forward_dynamics, gravity_torques, knot, step_semi_implicit, step_semi_implicit_derivatives,
         link_pose, jacobian, integrate, difference, velocity_to_qdot, normalize_configuration,
         random_configuration,
     ]
 }
 
 modyn::modyn! {
+    pub(crate) LoadedArm = "../../robots/arm7.urdf",
+    joint_friction = viscous,
+    payload = ["hand"],
+    functions = [step_semi_implicit]
+}
+
+modyn::modyn! {
     pub(crate) Quadruped = "../../robots/quadruped.urdf",
     base = floating,
     functions = [
-        forward_dynamics, brge, mass_matrix, bias_forces, step_semi_implicit, knot,
-        integrate, difference, difference_derivatives,
-        constraint_jacobian, constraint_jacobian_dot_qd, constraint_residual,
-        constrained_inverse_dynamics, constrained_forward_dynamics, constrained_knot,
-        step,
+        integrate, difference, difference_derivatives, constraint_jacobian, constraint_residual,
+        constrained_inverse_dynamics, constrained_forward_dynamics, constrained_knot, step,
     ],
     contacts = [
         "front left": point("front_left_foot"),

@@ -26,15 +26,3 @@ pub(crate) fn within_limits<R: Robot>(q: &R::Q<f64>) -> R::Q<f64> {
     let limits = R::LIMITS;
     R::Q::<f64>::from_fn(|i| q.as_ref()[i].clamp(limits.lower[i], limits.upper[i]))
 }
-
-/// Returns the state displaced by 2 nv entries in tangent space.
-#[cfg(test)]
-pub(crate) fn moved<R>(state: &State<R>, by: &DVector<f64>) -> State<R>
-where
-    R: Robot + functions::Integrate,
-{
-    State {
-        q: R::integrate(&state.q, &R::V::<f64>::from_fn(|i| by[i])),
-        qd: R::V::<f64>::from_fn(|i| state.qd.as_ref()[i] + by[R::NV + i]),
-    }
-}
