@@ -241,13 +241,13 @@ impl Values {
             Definition::Argument { array: 0, first }
         };
         let zero = self.constants(vec![0; lanes.into()], lanes);
-        let runs = self.value(argument(kept.runs), lanes);
-        let runs = self.operation(Operation::LessOrEqual, &[zero, runs], lanes);
+        let switch = self.value(argument(kept.runs), lanes);
+        let runs = self.operation(Operation::LessOrEqual, &[zero, switch], lanes);
         for (k, &place) in kept.places.iter().enumerate() {
-            let before = self.value(argument(place), lanes);
-            let before = self.operation(Operation::AndNot, &[runs, before], lanes);
-            let after = self.operation(Operation::And, &[runs, self.results[k]], lanes);
-            self.results[k] = self.operation(Operation::Or, &[after, before], lanes);
+            let old = self.value(argument(place), lanes);
+            let if_ended = self.operation(Operation::AndNot, &[runs, old], lanes);
+            let if_running = self.operation(Operation::And, &[runs, self.results[k]], lanes);
+            self.results[k] = self.operation(Operation::Or, &[if_running, if_ended], lanes);
         }
     }
 
