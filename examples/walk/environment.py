@@ -18,7 +18,7 @@ ROBOT = Path(__file__).resolve().parent / "quadruped.xml"
 FEET = [f"{end}_{side}_foot" for end in ("front", "hind") for side in ("left", "right")]
 #: The time between two actions, s, and the steps of the simulation in it.
 CONTROL, STEPS = 0.02, 5
-#: The tolerance of the solver in training, relative to the weight and the largest force; with dry friction, 1e-4 takes twice as long.
+#: The tolerance of the solver in training, relative to the weight and the largest force. The default is 1e-4.
 TOLERANCE = 5e-3
 #: The radius of a foot, m.
 RADIUS = 0.016

@@ -1,5 +1,6 @@
 //! Optimal control of robots that modyn compiled: model predictive control of an arm and of a trotting quadruped, a
-//! linear-quadratic regulator, and inverse kinematics. Prints a table of the results and of the times, each the best of several.
+//! linear-quadratic regulator, a whole-body controller by quadratic programs, and inverse kinematics. Prints a table of
+//! the results and of the times, each the best of several.
 //!
 //! `cargo run --release`
 
@@ -12,6 +13,7 @@ mod problems;
 mod robots;
 mod tangent;
 mod trot;
+mod whole_body;
 
 use std::hint::black_box;
 use std::time::{Duration, Instant};
@@ -20,7 +22,8 @@ use modyn::Pose;
 use modyn::simulate::State;
 use mpc::{Knot, Problem as _};
 
-use robots::{Arm, ArmLink};
+use problems::{GAINS, Sway};
+use robots::{Arm, ArmLink, Quadruped};
 
 /// The time of a part that a method does not have.
 const ZERO: Duration = Duration::ZERO;
@@ -33,6 +36,7 @@ fn main() {
     follow_with_the_arm();
     trot_with_the_quadruped();
     regulate();
+    sway();
     solve_inverse_kinematics();
 }
 
@@ -80,6 +84,35 @@ fn regulate() {
     );
     let (size, time) = ("14 states, 7 torques", best(20, problems::regulator));
     row("LQR, `arm7` keeps a posture", size, &result, regulator.iterations, [time, ZERO, ZERO]);
+}
+
+fn sway() {
+    let (sway, dt) = (Sway::default(), 0.002);
+    let mut state = State::<Quadruped>::at_rest(robots::standing());
+    let (mut worst, mut iterations, mut friction) = ([0.0_f64; 6], 0, 0.0_f64);
+    for k in 0..1000 {
+        let time = dt * f64::from(k);
+        let found = match whole_body::command(&state, &sway.at(time), GAINS) {
+            Ok(found) => found,
+            Err(status) => return eprintln!("no torques at {time} s: {status}"),
+        };
+        state = problems::move_on_ground(&state, dt, &found.tau).state;
+        let [x, y, z, a, b, c, ..] = Quadruped::difference(&sway.at(time + dt).q, &state.q);
+        let error = [x, y, z, a, b, c];
+        if norm(&error) > norm(&worst) {
+            worst = error;
+        }
+        iterations = iterations.max(found.iterations as usize);
+        friction = found.forces.iter().map(|[x, y, z]| x.hypot(*y) / z).fold(friction, f64::max);
+    }
+    let result = format!(
+        "the base is at most {} from its motion; forces use {:.0} % of the friction",
+        words(&worst),
+        100.0 * friction / whole_body::FRICTION
+    );
+    let time = best(200, || whole_body::command(&state, &sway.at(2.0), GAINS));
+    let size = "30 unknowns, 18 equations, 44 inequalities";
+    row("whole-body QP, floating `quadruped` sways", size, &result, iterations, [time, ZERO, ZERO]);
 }
 
 fn solve_inverse_kinematics() {
@@ -137,7 +170,11 @@ fn best<T>(calls: usize, mut call: impl FnMut() -> T) -> Duration {
 
 /// Returns a displacement in words; further entries do not count.
 fn words(displacement: &[f64]) -> String {
-    let norm = |x: &[f64]| x.iter().map(|x| x.powi(2)).sum::<f64>().sqrt();
-    let (length, angle) = (norm(&displacement[..3]), norm(&displacement[3..6]));
+    let length = norm(&displacement[..3]);
+    let angle = norm(&displacement[3..6]);
     format!("{:.2} mm and {:.2} mrad", 1e3 * length, 1e3 * angle)
+}
+
+fn norm(x: &[f64]) -> f64 {
+    x.iter().map(|x| x.powi(2)).sum::<f64>().sqrt()
 }

@@ -22,7 +22,8 @@ modyn::modyn! {
     pub(crate) Quadruped = "../../robots/quadruped.urdf",
     base = floating,
     functions = [
-        integrate, difference, difference_derivatives, constraint_jacobian, constraint_residual,
+        mass_matrix, bias_forces, integrate, difference, difference_derivatives,
+        constraint_jacobian, constraint_jacobian_dot_qd, constraint_residual,
         constrained_inverse_dynamics, constrained_forward_dynamics, constrained_knot, step,
     ],
     contacts = [

@@ -207,7 +207,10 @@ impl Class {
                 self.text,
                 "    /// Returns the settings by default, for the ground of the description.\n    \
                  static {record} default_{name}_settings() noexcept {{\n        \
-                 return reinterpret_cast<const {record} &>({prefix}_default_{name}_settings);\n    }}\n"
+                 {record} settings;\n        \
+                 const auto &constants = {prefix}_default_{name}_settings;\n        \
+                 std::memcpy(static_cast<void *>(&settings), &constants, sizeof settings);\n        \
+                 return settings;\n    }}\n"
             );
         }
     }
