@@ -57,7 +57,7 @@ fn main() -> Result<(), modyn::BatchError> {
             })
             .collect();
         let reached = roll_out(&plans)?;
-        // The best tenth of the plans has the new mean.
+        // The new mean is the mean of the best tenth of the plans.
         let mut order: Vec<usize> = (0..MOTIONS).collect();
         order.sort_by(|&a, &b| reached[b].total_cmp(&reached[a]));
         for (step, mean) in mean.iter_mut().enumerate() {

@@ -386,15 +386,16 @@ private:
 
 namespace internal {
 
-/// A residual of the pose of a link.
-template <class Robot>
+/// A residual of the pose of a link and a reference.
+template <class Robot, class Reference>
 class ResidualModelFrame : public crocoddyl::ResidualModelAbstract {
 public:
     using Link = typename Robot::Link;
     using DataAbstract = std::shared_ptr<crocoddyl::ResidualDataAbstract>;
 
-    ResidualModelFrame(std::shared_ptr<crocoddyl::StateAbstract> state, std::size_t rows, Link link, std::size_t nu)
-        : crocoddyl::ResidualModelAbstract(std::move(state), rows, nu, true, false, false), link(link) {}
+    ResidualModelFrame(std::shared_ptr<crocoddyl::StateAbstract> state, std::size_t rows, Link link, const Reference &reference,
+                       std::size_t nu)
+        : crocoddyl::ResidualModelAbstract(std::move(state), rows, nu, true, false, false), link(link), reference(reference) {}
 
     struct Data : crocoddyl::ResidualDataAbstract {
         Data(crocoddyl::ResidualModelAbstract *model, crocoddyl::DataCollectorAbstract *shared) : crocoddyl::ResidualDataAbstract(model, shared) {}
@@ -405,6 +406,8 @@ public:
     DataAbstract createData(crocoddyl::DataCollectorAbstract *const shared) override { return std::make_shared<Data>(this, shared); }
 
     Link get_link() const { return link; }
+    const Reference &get_reference() const { return reference; }
+    void set_reference(const Reference &value) { reference = value; }
 
 protected:
     typename Robot::Pose pose(const VectorIn &x) const { return Robot::link_pose(x.template head<Robot::nq>(), link); }
@@ -412,24 +415,25 @@ protected:
         return Robot::jacobian(x.template head<Robot::nq>(), link);
     }
     Link link;
+    Reference reference;
 };
 
 }
 
 /// The displacement of a link's origin from a reference, in world axes.
 template <class Robot>
-class ResidualModelFrameTranslation : public internal::ResidualModelFrame<Robot> {
-    using Base = internal::ResidualModelFrame<Robot>;
+class ResidualModelFrameTranslation : public internal::ResidualModelFrame<Robot, Eigen::Vector3d> {
+    using Base = internal::ResidualModelFrame<Robot, Eigen::Vector3d>;
 
 public:
     ResidualModelFrameTranslation(std::shared_ptr<crocoddyl::StateAbstract> state, typename Base::Link link,
                                   const Eigen::Vector3d &reference, std::size_t nu = ActionModel<Robot>::nu)
-        : Base(std::move(state), 3, link, nu), reference(reference) {}
+        : Base(std::move(state), 3, link, reference, nu) {}
 
     MODYN_CLONES(crocoddyl::ResidualModelBase, ResidualModelFrameTranslation)
 
     void calc(const typename Base::DataAbstract &data, const VectorIn &x, const VectorIn &) override {
-        data->r = this->pose(x).translation - reference;
+        data->r = this->pose(x).translation - this->reference;
     }
 
     void calcDiff(const typename Base::DataAbstract &data, const VectorIn &x, const VectorIn &) override {
@@ -437,29 +441,24 @@ public:
     }
 
     void print(std::ostream &out) const override { out << "modyn::ResidualModelFrameTranslation"; }
-    const Eigen::Vector3d &get_reference() const { return reference; }
-    void set_reference(const Eigen::Vector3d &value) { reference = value; }
-
-private:
-    Eigen::Vector3d reference;
 };
 
 /// The rotation vector of a link's rotation relative to a reference, in the reference's axes.
 template <class Robot>
-class ResidualModelFrameRotation : public internal::ResidualModelFrame<Robot> {
-    using Base = internal::ResidualModelFrame<Robot>;
+class ResidualModelFrameRotation : public internal::ResidualModelFrame<Robot, Eigen::Matrix3d> {
+    using Base = internal::ResidualModelFrame<Robot, Eigen::Matrix3d>;
 
 public:
     ResidualModelFrameRotation(std::shared_ptr<crocoddyl::StateAbstract> state, typename Base::Link link,
                                const Eigen::Matrix3d &reference, std::size_t nu = ActionModel<Robot>::nu)
-        : Base(std::move(state), 3, link, nu), reference(reference) {}
+        : Base(std::move(state), 3, link, reference, nu) {}
 
     MODYN_CLONES(crocoddyl::ResidualModelBase, ResidualModelFrameRotation)
 
     void calc(const typename Base::DataAbstract &data, const VectorIn &x, const VectorIn &) override {
         auto &d = static_cast<typename Base::Data &>(*data);
         d.pose = this->pose(x);
-        d.error.rotation() = reference.transpose() * d.pose.rotation;
+        d.error.rotation() = this->reference.transpose() * d.pose.rotation;
         d.r = pinocchio::log3(d.error.rotation());
     }
 
@@ -472,29 +471,24 @@ public:
     }
 
     void print(std::ostream &out) const override { out << "modyn::ResidualModelFrameRotation"; }
-    const Eigen::Matrix3d &get_reference() const { return reference; }
-    void set_reference(const Eigen::Matrix3d &value) { reference = value; }
-
-private:
-    Eigen::Matrix3d reference;
 };
 
 /// The logarithm of a link's pose relative to a reference: linear, then angular.
 template <class Robot>
-class ResidualModelFramePlacement : public internal::ResidualModelFrame<Robot> {
-    using Base = internal::ResidualModelFrame<Robot>;
+class ResidualModelFramePlacement : public internal::ResidualModelFrame<Robot, pinocchio::SE3> {
+    using Base = internal::ResidualModelFrame<Robot, pinocchio::SE3>;
 
 public:
     ResidualModelFramePlacement(std::shared_ptr<crocoddyl::StateAbstract> state, typename Base::Link link,
                                 const pinocchio::SE3 &reference, std::size_t nu = ActionModel<Robot>::nu)
-        : Base(std::move(state), 6, link, nu), reference(reference) {}
+        : Base(std::move(state), 6, link, reference, nu) {}
 
     MODYN_CLONES(crocoddyl::ResidualModelBase, ResidualModelFramePlacement)
 
     void calc(const typename Base::DataAbstract &data, const VectorIn &x, const VectorIn &) override {
         auto &d = static_cast<typename Base::Data &>(*data);
         d.pose = this->pose(x);
-        d.error = reference.actInv(pinocchio::SE3(d.pose.rotation, d.pose.translation));
+        d.error = this->reference.actInv(pinocchio::SE3(d.pose.rotation, d.pose.translation));
         d.r = pinocchio::log6(d.error).toVector();
     }
 
@@ -510,11 +504,6 @@ public:
     }
 
     void print(std::ostream &out) const override { out << "modyn::ResidualModelFramePlacement"; }
-    const pinocchio::SE3 &get_reference() const { return reference; }
-    void set_reference(const pinocchio::SE3 &value) { reference = value; }
-
-private:
-    pinocchio::SE3 reference;
 };
 
 }

@@ -311,14 +311,14 @@ fn move_to_ground(
     let settings = model.step_settings();
     let points = interpreter.touching_points(q, &settings)?;
     let shapes = model.touching_shapes();
-    // The frame of each point's link, and the height of the point.
+    // The link of each point, and the height of the point.
     let height_of = |&TouchingPoint { shape, gap, .. }: &TouchingPoint<f64>| {
         let upwards = settings.surfaces[shape].plane.rotation[2][2];
         (upwards > LEVEL).then(|| (shapes[shape].end.link, gap / upwards))
     };
     let heights: Vec<(usize, f64)> = points.iter().filter_map(height_of).collect();
-    let base = |frame: usize| {
-        let links = std::iter::successors(model.links()[frame].moving_link, |&i| {
+    let base = |link: usize| {
+        let links = std::iter::successors(model.links()[link].moving_link, |&i| {
             model.moving_links()[i].parent
         });
         links.last()
@@ -327,7 +327,7 @@ fn move_to_ground(
         if link.parent.is_some() || link.joint.joint_type != JointType::Floating {
             continue;
         }
-        let carried = heights.iter().filter(|(frame, _)| base(*frame) == Some(i));
+        let carried = heights.iter().filter(|(link, _)| base(*link) == Some(i));
         let lowest = carried.map(|(_, height)| *height).fold(f64::INFINITY, f64::min);
         if lowest.is_finite() && is_moved(lowest) {
             // The coordinates are in the axes of the joint's frame.

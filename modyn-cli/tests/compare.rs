@@ -96,6 +96,18 @@ fn without_rustc_the_error_names_the_missing_program() {
     assert_eq!(modyn(&["compare", "modyn-read/tests/bad/cycle.urdf"]).code, 1);
 }
 
+/// A function that the comparison does not have, beside one that it has.
+#[test]
+fn functions_that_are_not_compared_are_named() {
+    let compare = |functions: &str| {
+        modyn(&["compare", "robots/gripper.urdf", "--states", "2", "--functions", functions])
+    };
+    let output = compare("forward_dynamics,brge");
+    assert_eq!(output.code, 0, "{}", output.err);
+    assert!(output.err.contains("not compared: brge; `--rustc` also"), "{}", output.err);
+    assert_eq!(compare("forward_dynamics").err, "");
+}
+
 /// A ball and a bar with a servo, above a floor.
 const SCENE: &str = r#"<mujoco model="bar"><option cone="elliptic" timestep="0.004"/><worldbody>
     <geom type="plane" size="0 0 1"/>

@@ -548,8 +548,8 @@ impl Builder {
         ];
         let [runtime_inertia, payload] = inertias.map(|(option, code, names)| {
             reading.as_ref().and_then(|reading| {
-                let frames = links_that_move(&reading.model, option, code, names);
-                frames.map_err(|diagnostics| errors.extend(diagnostics)).ok()
+                let links = links_that_move(&reading.model, option, code, names);
+                links.map_err(|diagnostics| errors.extend(diagnostics)).ok()
             })
         });
         let mut choices = Choices {

@@ -114,14 +114,14 @@ impl<S: Real> RunTimeParameters<S> {
         link: &str,
         inertial: &Inertial<S>,
     ) -> Result<(), ParameterError<S>> {
-        let frame = model.links().iter().position(|frame| frame.name == link);
-        let inertias = self.parameters.inertias.iter().map(|(frame, _)| *frame);
+        let index = model.links().iter().position(|other| other.name == link);
+        let inertias = self.parameters.inertias.iter().map(|(index, _)| *index);
         let payloads = self.parameters.payloads.iter().copied();
         let (option, place) = if is_payload {
-            let place = payloads.into_iter().position(|other| Some(other) == frame);
+            let place = payloads.into_iter().position(|other| Some(other) == index);
             ("payload", place.map(|place| self.parameters.inertias.len() + place))
         } else {
-            ("runtime_inertia", inertias.into_iter().position(|other| Some(other) == frame))
+            ("runtime_inertia", inertias.into_iter().position(|other| Some(other) == index))
         };
         let Some(place) = place else {
             return Err(ParameterError::NotAParameter { option, link: Some(link.into()) });

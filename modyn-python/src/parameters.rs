@@ -40,17 +40,17 @@ impl<S: Number> ParameterNumbers<S> {
     ///
     /// If the robot does not have the parameter.
     pub fn apply(&mut self, change: &Change, model: &Model) -> Result<(), String> {
-        let frame = |link: &str| model.link_index(link).unwrap_or(usize::MAX);
+        let index = |link: &str| model.link_index(link).unwrap_or(usize::MAX);
         let (place, new) = match change {
             Change::Gravity(gravity) => (self.parameters.gravity.then_some(0), gravity.to_vec()),
             Change::Inertia(link, inertial) => {
                 let mut inertias = self.parameters.inertias.iter();
-                let place = inertias.position(|(other, _)| *other == frame(link));
+                let place = inertias.position(|(other, _)| *other == index(link));
                 (place.map(|k| self.parameters.inertial(k)), numbers(inertial))
             }
             Change::Payload(link, inertial) => {
                 let mut payloads = self.parameters.payloads.iter();
-                let place = payloads.position(|other| *other == frame(link));
+                let place = payloads.position(|other| *other == index(link));
                 let first = self.parameters.inertias.len();
                 (place.map(|k| self.parameters.inertial(first + k)), numbers(inertial))
             }

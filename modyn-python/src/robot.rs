@@ -117,7 +117,7 @@ impl Robot {
         let name = |&joint: &usize| model.moving_links()[joint].joint.name.clone();
         Ok(Self {
             without_inertia: without_inertia.first().map(name),
-            links: links.map(|(i, frame)| (frame.name.clone(), i)).collect(),
+            links: links.map(|(i, link)| (link.name.clone(), i)).collect(),
             builder,
             source: (source, arguments.copy()?.unbind()),
             scalar: options::scalar(arguments)?,
@@ -347,10 +347,10 @@ impl Robot {
         let described = ParameterNumbers::of(&self.parameters, self.model.gravity());
         let numbers = self.changed::<f64>(&described)?;
         let Parameters { gravity, inertias, payloads, .. } = &self.parameters;
-        let name = |frame: usize| Some(self.model.links()[frame].name.as_str());
+        let name = |link: usize| Some(self.model.links()[link].name.as_str());
         let gravity = gravity.then_some(("gravity", None, 3));
-        let inertias = inertias.iter().map(|(frame, _)| ("inertia", name(*frame), 10));
-        let payloads = payloads.iter().map(|frame| ("payload", name(*frame), 10));
+        let inertias = inertias.iter().map(|(link, _)| ("inertia", name(*link), 10));
+        let payloads = payloads.iter().map(|link| ("payload", name(*link), 10));
         let mut rest = numbers.as_slice();
         let mut next = |count: usize| {
             let (first, others) = rest.split_at(count);

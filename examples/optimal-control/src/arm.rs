@@ -88,9 +88,12 @@ pub(crate) struct Followed {
 /// controller improves its motion once in each step of 20 ms; its feedback runs every millisecond.
 pub(crate) fn follow(torque_share: f64) -> Followed {
     let mut problem = problem(&POSTURES[0], torque_share);
-    let (mut solver, mut plant) = (solver(&problem), Plant::new());
-    let (limits, mut found) = (problem.limits(), Followed::default());
-    let (mut limited, mut inputs) = (0, 0);
+    let limits = problem.limits();
+    let mut solver = solver(&problem);
+    let mut plant = Plant::new();
+    let mut followed = Followed::default();
+    let mut limited = 0;
+    let mut inputs = 0;
     for pair in POSTURES.windows(2) {
         for k in 0..100 {
             let share = 0.5 - 0.5 * (core::f64::consts::PI * f64::from(k.min(50)) / 50.0).cos();
@@ -100,11 +103,11 @@ pub(crate) fn follow(torque_share: f64) -> Followed {
             solver.advance();
             solver.restart(&problem, &plant.state);
             solver.iterate(&problem);
-            found.times.push(start.elapsed());
+            followed.times.push(start.elapsed());
             for ms in 0..20 {
                 let torques = solver.feedback(&problem, f64::from(ms) / 20.0, &plant.state);
                 for (torque, limit) in torques.iter().zip(limits.upper) {
-                    found.largest = found.largest.max(torque.abs() / limit);
+                    followed.largest = followed.largest.max(torque.abs() / limit);
                     limited += usize::from(torque.abs() >= limit);
                     inputs += 1;
                 }
@@ -112,10 +115,10 @@ pub(crate) fn follow(torque_share: f64) -> Followed {
             }
         }
         let pose = Arm::link_pose(&plant.state.q, ArmLink::GraspPoint);
-        found.at_rest.push(pose_error::pose_error(&pose, &problem.target));
+        followed.at_rest.push(pose_error::pose_error(&pose, &problem.target));
     }
-    found.limited = limited as f64 / inputs as f64;
-    found
+    followed.limited = limited as f64 / inputs as f64;
+    followed
 }
 
 #[cfg(test)]
@@ -125,7 +128,8 @@ mod tests {
 
     /// Returns the cost of inputs: the sum of the costs of the problem's steps.
     fn cost(problem: &Following<Arm>, inputs: &[[f64; 7]; STEPS]) -> f64 {
-        let (mut x, mut sum) = (State::at_rest(POSTURES[0]), 0.0);
+        let mut x = State::at_rest(POSTURES[0]);
+        let mut sum = 0.0;
         for (k, u) in inputs.iter().enumerate() {
             let step = problem.step(k, &x, u);
             sum += step.cost;
@@ -176,7 +180,8 @@ mod tests {
             let motion = solver.motion();
             assert!(motion.cost < 0.1 * first, "{share}: {first}, then {}", motion.cost);
             assert!((cost(&problem, &motion.inputs) - motion.cost).abs() < 1e-12 * motion.cost);
-            let (limits, mut limited) = (problem.limits(), 0);
+            let limits = problem.limits();
+            let mut limited = 0;
             for (k, i) in (0..STEPS).flat_map(|k| (0..7).map(move |i| (k, i))) {
                 let slope = slope(&problem, &motion.inputs, k, i);
                 let u = motion.inputs[k][i];
@@ -230,11 +235,16 @@ mod tests {
 
     #[test]
     fn the_hand_follows_poses_with_a_load_that_the_model_does_not_have() {
-        let found = follow(0.7);
-        for error in &found.at_rest {
+        let followed = follow(0.7);
+        for error in &followed.at_rest {
             let size = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>().sqrt();
-            assert!(size(&error[..3]) < 0.04 && size(&error[3..]) < 0.05, "{:?}", found.at_rest);
+            assert!(size(&error[..3]) < 0.04 && size(&error[3..]) < 0.05, "{:?}", followed.at_rest);
         }
-        assert!(found.largest <= 1.0 && found.largest > 0.7, "{} {}", found.largest, found.limited);
+        assert!(
+            followed.largest <= 1.0 && followed.largest > 0.7,
+            "{} {}",
+            followed.largest,
+            followed.limited
+        );
     }
 }

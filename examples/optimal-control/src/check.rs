@@ -25,7 +25,8 @@ pub(crate) fn check_derivatives<P, const NV: usize, const NU: usize>(
         for j in 0..gradient[part].len() {
             let unit = |size: f64| move |i: usize| if i == j { size } else { 0.0 };
             let [above, below] = [SMALL, -SMALL].map(|by| {
-                let (mut x, mut u) = (*x, *u);
+                let mut x = *x;
+                let mut u = *u;
                 match part {
                     0 => x.q = P::Robot::integrate(&x.q, &<[f64; NV]>::from_fn(unit(by))),
                     1 => x.qd[j] += by,
@@ -41,12 +42,12 @@ pub(crate) fn check_derivatives<P, const NV: usize, const NU: usize>(
             );
             for i in 0..NV {
                 let expected = (above.next.qd[i] - below.next.qd[i]) / (2.0 * SMALL);
-                let found = match part {
+                let derivative = match part {
                     0 => knot.step.dqd_dq[i][j],
                     1 => knot.step.dqd_dqd[i][j],
                     _ => knot.step.dqd_du[i][j],
                 };
-                let error = (found - expected).abs();
+                let error = (derivative - expected).abs();
                 assert!(
                     error < 1e-6 * expected.abs().max(1.0),
                     "{k}, qd {i} by {name} {j}: {error:e}"

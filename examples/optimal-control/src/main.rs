@@ -41,32 +41,34 @@ fn main() {
 }
 
 fn follow_with_the_arm() {
-    let found = arm::follow(0.7);
-    let errors: Vec<String> = found.at_rest.iter().map(|error| words(error)).collect();
+    let followed = arm::follow(0.7);
+    let errors: Vec<String> = followed.at_rest.iter().map(|error| words(error)).collect();
     let result = format!(
         "with a load that the model lacks, the hand rests {} from its poses; {:.0} % of the torques are at their limits",
         errors.join(", "),
-        100.0 * found.limited
+        100.0 * followed.limited
     );
     let problem = arm::problem(&arm::POSTURES[1], 1.0);
-    let (start, mut knot) = (State::at_rest(arm::POSTURES[0]), Knot::ZERO);
+    let start = State::at_rest(arm::POSTURES[0]);
+    let mut knot = Knot::ZERO;
     let derivatives = best(1000, || problem.linearize(0, &start, &problem.hold, &mut knot));
-    let time = found.times.into_iter().min().unwrap_or_default();
+    let time = followed.times.into_iter().min().unwrap_or_default();
     let size = format!("{} steps, 14 states, 7 torques", arm::STEPS);
     let times = [time, time / arm::STEPS as u32, derivatives];
     row("MPC, `arm7` follows poses", &size, &result, 1, times);
 }
 
 fn trot_with_the_quadruped() {
-    let found = trot::trot(300, &trot::PUSHES);
-    let [x, y, z] = found.error.map(|error| 1e3 * error);
+    let trotted = trot::trot(300, &trot::PUSHES);
+    let [x, y, z] = trotted.error.map(|error| 1e3 * error);
     let result = format!(
         "with pushes of 0.3 m/s on unilateral ground, the base is at most {x:.0}, {y:.0} and {z:.0} mm from its motion"
     );
     let problem = trot::Trot::at(trot::STEPS);
-    let (start, mut knot) = (State::at_rest(robots::standing()), Knot::ZERO);
+    let start = State::at_rest(robots::standing());
+    let mut knot = Knot::ZERO;
     let derivatives = best(1000, || problem.linearize(5, &start, &[0.1; 12], &mut knot));
-    let time = found.times.into_iter().min().unwrap_or_default();
+    let time = trotted.times.into_iter().min().unwrap_or_default();
     let size = format!("{} steps, 36 states, 12 torques", trot::STEPS);
     let times = [time, time / trot::STEPS as u32, derivatives];
     row("MPC, floating `quadruped` trots", &size, &result, 1, times);
@@ -87,23 +89,26 @@ fn regulate() {
 }
 
 fn sway() {
-    let (sway, dt) = (Sway::default(), 0.002);
+    let sway = Sway::default();
+    let dt = 0.002;
     let mut state = State::<Quadruped>::at_rest(robots::standing());
-    let (mut worst, mut iterations, mut friction) = ([0.0_f64; 6], 0, 0.0_f64);
+    let mut worst = [0.0_f64; 6];
+    let mut iterations = 0;
+    let mut friction = 0.0_f64;
     for k in 0..1000 {
         let time = dt * f64::from(k);
-        let found = match whole_body::command(&state, &sway.at(time), GAINS) {
-            Ok(found) => found,
+        let command = match whole_body::command(&state, &sway.at(time), GAINS) {
+            Ok(command) => command,
             Err(status) => return eprintln!("no torques at {time} s: {status}"),
         };
-        state = problems::move_on_ground(&state, dt, &found.tau).state;
+        state = problems::move_on_ground(&state, dt, &command.tau).state;
         let [x, y, z, a, b, c, ..] = Quadruped::difference(&sway.at(time + dt).q, &state.q);
         let error = [x, y, z, a, b, c];
         if norm(&error) > norm(&worst) {
             worst = error;
         }
-        iterations = iterations.max(found.iterations as usize);
-        friction = found.forces.iter().map(|[x, y, z]| x.hypot(*y) / z).fold(friction, f64::max);
+        iterations = iterations.max(command.iterations as usize);
+        friction = command.forces.iter().map(|[x, y, z]| x.hypot(*y) / z).fold(friction, f64::max);
     }
     let result = format!(
         "the base is at most {} from its motion; forces use {:.0} % of the friction",
@@ -124,18 +129,25 @@ fn solve_inverse_kinematics() {
     let options = inverse_kinematics::Options::default();
     let solve = || -> Vec<_> {
         let mut uniform = problems::uniform(2);
-        let mut found = Vec::new();
+        let mut solutions = Vec::new();
         for target in &targets {
             let link = ArmLink::GraspPoint;
-            found.extend(inverse_kinematics::reach::<Arm>(link, target, &options, &mut uniform));
+            solutions.extend(inverse_kinematics::reach::<Arm>(
+                link,
+                target,
+                &options,
+                &mut uniform,
+            ));
         }
-        found
+        solutions
     };
-    let found = solve();
-    let (reached, first) = (found.len(), found.iter().filter(|found| found.starts == 1).count());
-    let iterations: usize = found.iter().map(|found| found.iterations).sum();
-    let limits =
-        found.iter().flat_map(|found| found.q.iter().zip(Arm::LIMITS.lower).zip(Arm::LIMITS.upper));
+    let solutions = solve();
+    let (reached, first) =
+        (solutions.len(), solutions.iter().filter(|solution| solution.starts == 1).count());
+    let iterations: usize = solutions.iter().map(|solution| solution.iterations).sum();
+    let limits = solutions
+        .iter()
+        .flat_map(|solution| solution.q.iter().zip(Arm::LIMITS.lower).zip(Arm::LIMITS.upper));
     let stopped = limits.filter(|((q, lower), upper)| q == lower || q == upper).count();
     let result = format!(
         "{reached} of {TARGETS} poses reached, {first} from the first start; {stopped} joints at their limits"

@@ -22,7 +22,7 @@ const DT: f64 = 0.02;
 /// The solver of the quadruped's problem.
 pub(crate) type Solver = mpc::Solver<Trot, NV, MOTORS, STEPS>;
 
-/// The numbers of steps in which a pair of feet swings, and in which all feet stand before it.
+/// The number of steps in which two feet swing, and the number of steps before them in which all feet stand.
 const SWING: usize = 10;
 const STAND: usize = 3;
 const PERIOD: usize = 2 * (SWING + STAND);
@@ -84,10 +84,12 @@ impl Stage {
     /// Returns the stage of a step. The robot stands for the length of a horizon, and then trots.
     fn of(step: usize) -> Self {
         let mut reference = State::<Quadruped>::at_rest(standing());
-        let (mut stance, mut feet) = ([true; 4], feet(&reference.q));
+        let mut stance = [true; 4];
+        let mut feet = feet(&reference.q);
         if let Some(step) = step.checked_sub(STEPS) {
             let stride = SPEED * PERIOD as f64 * DT;
-            let (periods, phase) = (step / PERIOD, step % PERIOD);
+            let periods = step / PERIOD;
+            let phase = step % PERIOD;
             for foot in 0..4 {
                 // The front right and the hind left foot swing second.
                 let begin = if foot == 1 || foot == 2 { 2 * STAND + SWING } else { STAND };
@@ -214,9 +216,10 @@ impl Problem<NV, MOTORS> for Trot {
     fn step(&self, k: usize, x: &State<Quadruped>, u: &[f64; MOTORS]) -> Step<Quadruped> {
         let contacts = self.stages[k].contacts();
         let tau = joint_forces(u);
-        let found = Quadruped::constrained_forward_dynamics(&x.q, &x.qd, &tau, contacts, &CONTACTS);
-        let cost = DT * self.cost(k, x, u, &found.wrenches);
-        Step { next: x.semi_implicit_euler(DT, |_| found.qdd), cost }
+        let dynamics =
+            Quadruped::constrained_forward_dynamics(&x.q, &x.qd, &tau, contacts, &CONTACTS);
+        let cost = DT * self.cost(k, x, u, &dynamics.wrenches);
+        Step { next: x.semi_implicit_euler(DT, |_| dynamics.qdd), cost }
     }
 
     fn linearize(
@@ -228,14 +231,16 @@ impl Problem<NV, MOTORS> for Trot {
     ) {
         let stage = &self.stages[k];
         let tau = joint_forces(u);
-        let found = Quadruped::constrained_knot(&x.q, &x.qd, &tau, DT, stage.contacts(), &CONTACTS);
-        knot.step.set::<Quadruped>(&found.knot());
+        let dynamics =
+            Quadruped::constrained_knot(&x.q, &x.qd, &tau, DT, stage.contacts(), &CONTACTS);
+        knot.step.set::<Quadruped>(&dynamics.knot());
         stage.add_state_cost(x, DT, &mut knot.state);
         for (i, u) in u.iter().enumerate() {
             knot.input.add_of_input(i, DT * EFFORT, *u);
         }
         if stage.stance != [true; 4] {
-            let (places, columns) = (feet(&x.q), Quadruped::constraint_jacobian(&x.q));
+            let places = feet(&x.q);
+            let columns = Quadruped::constraint_jacobian(&x.q);
             for foot in (0..4).filter(|foot| !stage.stance[*foot]) {
                 let errors = places[foot].iter().zip(stage.feet[foot]);
                 for (i, (place, desired)) in errors.enumerate() {
@@ -246,14 +251,14 @@ impl Problem<NV, MOTORS> for Trot {
         }
         for foot in (0..4).filter(|foot| stage.stance[*foot]) {
             for face in &FACES {
-                let beyond = beyond(face, &found.wrenches[foot]);
+                let beyond = beyond(face, &dynamics.wrenches[foot]);
                 if beyond > 0.0 {
                     let row = |by: &[[Wrench<f64>; NV]; 4]| -> [f64; NV] {
                         core::array::from_fn(|j| dot(face, &by[foot][j].force.0))
                     };
-                    let by_q = row(&found.dwrenches_dq);
-                    let by_qd = row(&found.dwrenches_dqd);
-                    let by_tau = row(&found.dwrenches_dtau);
+                    let by_q = row(&dynamics.dwrenches_dq);
+                    let by_qd = row(&dynamics.dwrenches_dqd);
+                    let by_tau = row(&dynamics.dwrenches_dtau);
                     let by_u = core::array::from_fn(|i| by_tau[6 + i]);
                     knot.add(DT * BARRIER, beyond, &Slope { by_q, by_qd, by_u });
                 }
@@ -289,9 +294,9 @@ pub(crate) fn solver(problem: &Trot) -> Box<Solver> {
 pub(crate) fn hold() -> [f64; MOTORS] {
     let rest = [0.0; NV];
     let contacts = QuadrupedContacts::ALL;
-    let found =
+    let standing_forces =
         Quadruped::constrained_inverse_dynamics(&standing(), &rest, &rest, contacts, &CONTACTS);
-    core::array::from_fn(|i| found.tau[6 + i])
+    core::array::from_fn(|i| standing_forces.tau[6 + i])
 }
 
 /// A push: a change of the base's velocity, m/s, after a number of steps of the controller.
@@ -324,7 +329,7 @@ pub(crate) struct Trotted {
 pub(crate) fn trot(steps: usize, pushes: &[Push]) -> Trotted {
     let mut problem = Trot::at(0);
     let mut solver = solver(&problem);
-    let mut found = Trotted {
+    let mut trotted = Trotted {
         error: [0.0; 3],
         last: [0.0; 6],
         state: State::at_rest(standing()),
@@ -334,25 +339,25 @@ pub(crate) fn trot(steps: usize, pushes: &[Push]) -> Trotted {
         let start = std::time::Instant::now();
         problem.advance();
         solver.advance();
-        solver.restart(&problem, &found.state);
+        solver.restart(&problem, &trotted.state);
         solver.iterate(&problem);
-        found.times.push(start.elapsed());
+        trotted.times.push(start.elapsed());
         for push in pushes.iter().filter(|push| push.step == k) {
-            for (qd, change) in found.state.qd.iter_mut().zip(push.change) {
+            for (qd, change) in trotted.state.qd.iter_mut().zip(push.change) {
                 *qd += change;
             }
         }
         for ms in 0..20 {
-            let u = solver.feedback(&problem, f64::from(ms) / 20.0, &found.state);
-            found.state = found.state.step(0.001, &joint_forces(&u), &GROUND).state;
+            let u = solver.feedback(&problem, f64::from(ms) / 20.0, &trotted.state);
+            trotted.state = trotted.state.step(0.001, &joint_forces(&u), &GROUND).state;
         }
-        let [dq, _] = problem.stages[1].displacements(&found.state);
-        for (largest, error) in found.error.iter_mut().zip(dq) {
+        let [dq, _] = problem.stages[1].displacements(&trotted.state);
+        for (largest, error) in trotted.error.iter_mut().zip(dq) {
             *largest = largest.max(error.abs());
         }
-        found.last.copy_from_slice(&dq[..6]);
+        trotted.last.copy_from_slice(&dq[..6]);
     }
-    found
+    trotted
 }
 
 #[cfg(test)]
@@ -365,7 +370,8 @@ mod tests {
     /// an optimum, the derivative of the cost is zero with any feedback.
     fn cost(problem: &Trot, solver: &Solver, [k, i]: [usize; 2], by: f64) -> f64 {
         let motion = solver.motion();
-        let (mut x, mut sum) = (motion.states[0], 0.0);
+        let mut x = motion.states[0];
+        let mut sum = 0.0;
         for (step, gain) in solver.gains().iter().enumerate() {
             let nominal = &motion.states[step];
             let dq = Quadruped::difference(&nominal.q, &x.q);
@@ -377,9 +383,9 @@ mod tests {
             if step == k {
                 u[i] += by;
             }
-            let found = problem.step(step, &x, &u);
-            sum += found.cost;
-            x = found.next;
+            let next = problem.step(step, &x, &u);
+            sum += next.cost;
+            x = next.next;
         }
         sum + problem.end(&x)
     }
@@ -428,11 +434,11 @@ mod tests {
             motion.states.iter().zip(&motion.inputs).enumerate().filter(|(k, (x, u))| {
                 let contacts = problem.stages[*k].contacts();
                 let tau = joint_forces(u);
-                let found =
+                let dynamics =
                     Quadruped::constrained_forward_dynamics(&x.q, &x.qd, &tau, contacts, &CONTACTS);
                 let stance = problem.stages[*k].stance;
                 (0..4).any(|i| {
-                    stance[i] && FACES.iter().any(|face| beyond(face, &found.wrenches[i]) > 0.0)
+                    stance[i] && FACES.iter().any(|face| beyond(face, &dynamics.wrenches[i]) > 0.0)
                 })
             });
         assert!(barriers.count() > 3);
@@ -441,10 +447,10 @@ mod tests {
     /// Five seconds of trot, with three pushes.
     #[test]
     fn trots_on_ground_that_the_model_does_not_have() {
-        let found = trot(300, &PUSHES);
-        let [x, y, z] = found.error;
+        let trotted = trot(300, &PUSHES);
+        let [x, y, z] = trotted.error;
         assert!(x < 0.06 && y < 0.06 && z < 0.03, "{x} {y} {z}");
-        assert!(found.last.iter().all(|x| x.abs() < 0.02), "{:?}", found.last);
-        assert!(found.state.q[0] > 0.9, "{:?}", found.state.q);
+        assert!(trotted.last.iter().all(|x| x.abs() < 0.02), "{:?}", trotted.last);
+        assert!(trotted.state.q[0] > 0.9, "{:?}", trotted.state.q);
     }
 }

@@ -160,11 +160,15 @@ mod tests {
     use crate::problems::{GAINS, Sway, move_on_ground};
     use crate::robots::{Settings, standing};
 
-    fn assert_within_limits(found: &Command) {
-        for [x, y, z] in found.forces {
+    fn assert_within_limits(commanded: &Command) {
+        for [x, y, z] in commanded.forces {
             assert!(z > LEAST_FORCE - 1e-6 && x.hypot(y) < FRICTION * z + 1e-6, "{x} {y} {z}");
         }
-        assert!(found.tau.iter().all(|tau| tau.abs() < TORQUE_LIMIT + 1e-6), "{:?}", found.tau);
+        assert!(
+            commanded.tau.iter().all(|tau| tau.abs() < TORQUE_LIMIT + 1e-6),
+            "{:?}",
+            commanded.tau
+        );
     }
 
     /// A second of sway, on the ground of the simulation, whose contacts are unilateral.
@@ -178,18 +182,18 @@ mod tests {
         let (mut worst, mut moved) = (0.0_f64, 0.0_f64);
         for k in 0..steps {
             let time = dt * f64::from(k);
-            let found = command(&state, &sway.at(time), GAINS).expect("solved");
-            assert_within_limits(&found);
-            let step = move_on_ground(&state, dt, &found.tau);
+            let commanded = command(&state, &sway.at(time), GAINS).expect("solved");
+            assert_within_limits(&commanded);
+            let step = move_on_ground(&state, dt, &commanded.tau);
             state = step.state;
             // The ground pushes as planned, once the feet have settled in it.
             for (foot, force) in step.forces.iter().enumerate().filter(|_| k > 50) {
                 for i in 0..3 {
-                    let planned = found.forces[foot][i];
+                    let planned = commanded.forces[foot][i];
                     assert!(
                         (force[i] - planned).abs() < 0.5,
                         "step {k}: {force:?}, {:?}",
-                        found.forces
+                        commanded.forces
                     );
                 }
             }
@@ -206,14 +210,14 @@ mod tests {
 
     fn constrained(state: &State<Quadruped>, tau: &[f64; NV]) -> ([f64; NV], [[f64; 3]; 4]) {
         let contacts = crate::robots::QuadrupedContacts::ALL;
-        let found = Quadruped::constrained_forward_dynamics(
+        let dynamics = Quadruped::constrained_forward_dynamics(
             &state.q,
             &state.qd,
             tau,
             contacts,
             &Settings::EXACT,
         );
-        (found.qdd, found.wrenches.map(|wrench| wrench.force.0))
+        (dynamics.qdd, dynamics.wrenches.map(|wrench| wrench.force.0))
     }
 
     /// Under the torques, another function computes the desired accelerations and the forces of the program.
@@ -221,16 +225,16 @@ mod tests {
     fn torques_have_the_desired_effect() {
         let state = State::<Quadruped>::at_rest(standing());
         let reference = Sway::default().at(0.05);
-        let found = command(&state, &reference, GAINS).expect("solved");
-        let (qdd, forces) = constrained(&state, &found.tau);
+        let commanded = command(&state, &reference, GAINS).expect("solved");
+        let (qdd, forces) = constrained(&state, &commanded.tau);
         let desired = accelerations(&state, &reference, GAINS);
         for i in 0..6 {
             assert!((qdd[i] - desired[i]).abs() < 0.02, "{qdd:?} {desired:?}");
         }
         assert!(desired[..6].iter().any(|x| x.abs() > 1.0));
-        for (force, planned) in forces.iter().zip(found.forces) {
+        for (force, planned) in forces.iter().zip(commanded.forces) {
             for i in 0..3 {
-                assert!((force[i] - planned[i]).abs() < 1e-4, "{forces:?} {:?}", found.forces);
+                assert!((force[i] - planned[i]).abs() < 1e-4, "{forces:?} {:?}", commanded.forces);
             }
         }
     }
@@ -241,12 +245,12 @@ mod tests {
         let state = State::<Quadruped>::at_rest(standing());
         let mut reference = Reference::<Quadruped>::at_rest(state.q);
         reference.qdd[1] = 12.0;
-        let found = command(&state, &reference, GAINS).expect("solved");
-        assert_within_limits(&found);
-        let used = found.forces.map(|[_, y, z]| y.abs() / z);
+        let commanded = command(&state, &reference, GAINS).expect("solved");
+        assert_within_limits(&commanded);
+        let used = commanded.forces.map(|[_, y, z]| y.abs() / z);
         let most = FRICTION * core::f64::consts::FRAC_1_SQRT_2;
         assert!(used.iter().any(|used| *used > 0.99 * most), "{used:?}");
-        let (qdd, _) = constrained(&state, &found.tau);
+        let (qdd, _) = constrained(&state, &commanded.tau);
         assert!(qdd[1] > 2.0 && qdd[1] < 10.0, "{qdd:?}");
     }
 
@@ -256,7 +260,7 @@ mod tests {
         let mut state = State::<Quadruped>::at_rest(standing());
         // The feet would have to be stopped by more force than there is.
         state.qd[2] = 50.0;
-        let found = command(&state, &Reference::<Quadruped>::at_rest(state.q), GAINS);
-        assert!(found.is_err_and(|status| status == SolverStatus::PrimalInfeasible));
+        let commanded = command(&state, &Reference::<Quadruped>::at_rest(state.q), GAINS);
+        assert!(commanded.is_err_and(|status| status == SolverStatus::PrimalInfeasible));
     }
 }

@@ -53,7 +53,8 @@ fn main() -> ! {
     };
     let mut state = State::<Arm>::at_rest(START);
     let mut solver = Solver::<Following<Arm>, 7, 7, STEPS>::new(&problem, &state, &problem.hold);
-    let (mut step, mut largest) = (0, 0.0);
+    let mut step = 0;
+    let mut largest = 0.0;
     measure::report("mpc", "step", "", &mut || {
         problem.target = Arm::link_pose(&posture(step), ArmLink::GraspPoint);
         solver.advance();

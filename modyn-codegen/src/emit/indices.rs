@@ -19,7 +19,7 @@ pub(super) struct Named {
 /// and activations where there are some.
 pub(super) fn all_names(model: &Model) -> Vec<Named> {
     let named = |kind, docs, names: Vec<String>| Named { kind, docs, names };
-    let frames = model.links().iter().map(|link| link.name.to_string());
+    let links = model.links().iter().map(|link| link.name.to_string());
     let loops = model.loop_constraints().iter().map(|constraint| constraint.name.to_string());
     let contacts = model.contacts().iter().map(|contact| contact.name.to_string());
     let touching = model.touching_shapes();
@@ -27,7 +27,7 @@ pub(super) fn all_names(model: &Model) -> Vec<Named> {
     let controls = model.control_names().into_iter().map(str::to_owned);
     let velocities = "The entries of `qd`, and of accelerations and joint forces";
     let all = vec![
-        named("link", "The links of the description, in its order", frames.collect()),
+        named("link", "The links of the description, in its order", links.collect()),
         named("q", "The entries of `q`", model.coordinate_names()),
         named("v", velocities, model.velocity_names()),
         named("loop", "The joints that close loops", loops.collect()),

@@ -23,13 +23,10 @@ pub struct RowForm {
     pub sides: usize,
 }
 
-impl RowForm {
-    /// Returns the number of results of the equations: two for each row and right-hand side, and
-    /// the rank.
-    #[must_use]
-    pub fn results(&self) -> usize {
-        2 * self.sides * self.blocks.iter().sum::<usize>() + 1
-    }
+/// Returns the number of results of equations of this number of rows: two for each row and
+/// right-hand side, and the rank.
+pub(crate) const fn row_results(rows: usize, sides: usize) -> usize {
+    2 * rows * sides + 1
 }
 
 /// The form of products of one matrix A with several matrices B, which are added to results. Its

@@ -262,10 +262,10 @@ impl Member {
                 format!("`{name}` is no member of a fused function, since its solver is a loop");
             return Err((message, "leave it out, and call it by itself".into()));
         }
-        let frames = || model.links().iter().map(|link| link.name.as_str());
-        let frame = link.map(|link| {
-            frames().position(|other| other == link).ok_or_else(|| {
-                let help = suggest(link, frames()).map_or_else(
+        let names = || model.links().iter().map(|link| link.name.as_str());
+        let index = link.map(|link| {
+            names().position(|other| other == link).ok_or_else(|| {
+                let help = suggest(link, names()).map_or_else(
                     || "name a link of the description".into(),
                     |name| format!("did you mean `{name}`?"),
                 );
@@ -281,7 +281,7 @@ impl Member {
             }
         };
         Ok(plan::Member {
-            function: MemberFunction::Table { function, link: frame.transpose()? },
+            function: MemberFunction::Table { function, link: index.transpose()? },
             field: intern(&self.field()),
             docs: intern(&docs),
         })

@@ -45,10 +45,10 @@ pub(super) fn of_constraints(
         return None;
     };
     let with_products = has_products && may_have_products(function, context);
-    let choices = [with_products.then_some(true), Some(false)].into_iter().flatten();
-    choices
-        .map(|products| DenseLoops { rows: Some(scalars), products })
-        .find_map(|loops| kernels(function, context, scalars, loops))
+    let choices: &[bool] = if with_products { &[true, false] } else { &[false] };
+    choices.iter().find_map(|&products| {
+        kernels(function, context, scalars, DenseLoops { rows: Some(scalars), products })
+    })
 }
 
 /// Returns the programs of another function with products, or of its form for many states, if loops

@@ -14,6 +14,7 @@ use modyn_runtime::Scalar;
 use modyn_runtime::equations::constraints::RowSystem;
 
 use super::{Execution, Operand, Operation, Program};
+use crate::graph::dense::row_results;
 use crate::graph::{Expr, Graph};
 use crate::passes::optimize;
 
@@ -51,7 +52,7 @@ impl RowEquations {
     /// Returns the number of results.
     #[must_use]
     pub fn results(&self) -> usize {
-        2 * self.sides * self.rows() + 1
+        row_results(self.rows(), self.sides)
     }
 
     /// Returns the number that is negative where the results count.

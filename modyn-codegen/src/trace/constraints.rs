@@ -18,7 +18,7 @@ use modyn_runtime::{ConstraintSettings, ContactTarget, Scalar};
 
 use super::limbs::ContactPacking;
 use super::{LimbPacking, Tracer};
-use crate::graph::dense::{ProductForm, ProductTarget, RowForm};
+use crate::graph::dense::{ProductForm, ProductTarget, RowForm, row_results};
 use crate::graph::{Expr, Graph};
 
 /// The equations of dependent rows that are solved apart from a graph.
@@ -34,7 +34,7 @@ struct ApartRows<'a> {
 impl ApartRows<'_> {
     /// Makes the results inputs.
     fn given(self, memory: &mut ConstraintWorkspace<Expr>, rows: usize) -> Self {
-        let results = 2 * rows * self.sides + 1;
+        let results = row_results(rows, self.sides);
         memory.set_apart((self.first..self.first + results).map(Expr::input).collect());
         self
     }

@@ -10,7 +10,7 @@ use modyn_runtime::mechanism::coordinates::quaternion_blocks;
 use super::composition::Composition;
 use super::constraints::settings_count;
 use super::{DenseLoops, Tracer};
-use crate::graph::dense::{ProductForm, ProductTarget};
+use crate::graph::dense::{ProductForm, ProductTarget, row_results};
 use crate::graph::{Graph, Id, Node};
 
 /// The dynamics of a knot.
@@ -59,7 +59,7 @@ impl Tracer<'_> {
         let parameters = all.inputs(self.parameters.len());
         let of_rows = graph.dense.rows.as_ref().map_or_else(Vec::new, |form| {
             debug_assert_eq!(self.loops.rows, Some(all.inputs));
-            all.inputs(form.results())
+            all.inputs(row_results(self.rows(), form.sides))
         });
         let groups = [&q[..], &qd, &tau, &constraints, &parameters, &of_rows];
         let outputs = all.add(graph, &groups);

@@ -75,8 +75,8 @@ impl Model {
     #[must_use]
     pub fn contact_length(&self, contact: usize) -> f64 {
         let end = &self.contacts[contact].end;
-        let frame = &self.links[end.link];
-        let mut at = (frame.moving_link, frame.pose.transform_point(end.pose.translation));
+        let link = &self.links[end.link];
+        let mut at = (link.moving_link, link.pose.transform_point(end.pose.translation));
         let mut length = 0.0;
         while let (Some(i), point) = at {
             length += self.length_of_link(i, point);

@@ -131,8 +131,8 @@ impl Model {
     #[must_use]
     pub fn characteristic_length(&self, constraint: usize) -> f64 {
         let frames = self.loop_constraints[constraint].ends.each_ref().map(|end| {
-            let frame = &self.links[end.link];
-            (frame.moving_link, frame.pose.transform_point(end.pose.translation))
+            let link = &self.links[end.link];
+            (link.moving_link, link.pose.transform_point(end.pose.translation))
         });
         let [mut first, mut second] = frames;
         let mut length = 0.0;

@@ -60,8 +60,8 @@ where
     fn displacements(&self, q: &R::Q<f64>) -> [[f64; NV]; 2] {
         let from_posture = R::difference(&self.posture, q);
         let beyond = core::array::from_fn(|i| {
-            let (q, limits) = (q.as_ref()[i], R::LIMITS);
-            q - q.max(limits.lower[i]).min(limits.upper[i])
+            let coordinate = q.as_ref()[i];
+            coordinate - coordinate.max(R::LIMITS.lower[i]).min(R::LIMITS.upper[i])
         });
         [from_posture, beyond]
     }
@@ -128,10 +128,10 @@ where
 
     #[inline(always)]
     fn step(&self, _: usize, x: &State<R>, u: &[f64; NV]) -> Step<R> {
-        let found = R::step_semi_implicit(&x.q, &x.qd, u, self.dt);
+        let next = R::step_semi_implicit(&x.q, &x.qd, u, self.dt);
         let effort = u.iter().zip(&self.hold).map(|(u, hold)| (u - hold) * (u - hold)).sum::<f64>();
         let cost = self.dt * (self.state_cost(x, &RUNNING) + 0.5 * EFFORT * effort);
-        Step { next: State { q: found.q, qd: found.qd }, cost }
+        Step { next: State { q: next.q, qd: next.qd }, cost }
     }
 
     #[inline(always)]

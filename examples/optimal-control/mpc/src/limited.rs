@@ -4,11 +4,11 @@
 
 use modyn::Scalar;
 
-use crate::matrix::{Matrix, dot};
+use crate::matrix::{Matrix, add_scaled, dot};
 use crate::solver::Limits;
 
-/// The rows of a Cholesky factor L; the diagonal is stored as its reciprocal. Rows of inputs at a limit are those of the
-/// identity.
+/// The rows of a Cholesky factor L; the diagonal is stored as its reciprocal. The row of an input at a limit is a row of
+/// the identity.
 pub(crate) struct Factor<const NU: usize> {
     pub(crate) rows: Matrix<NU, NU>,
     /// Whether an input is free to change.
@@ -50,7 +50,7 @@ impl<const NU: usize> Factor<NU> {
             }
             let (before, rest) = b.split_at_mut(i);
             for (factor, row) in self.rows[i].iter().zip(before) {
-                crate::matrix::add_scaled(&mut rest[0], -factor, row);
+                add_scaled(&mut rest[0], -factor, row);
             }
             rest[0] = rest[0].map(|x| x * self.rows[i][i]);
         }
@@ -62,7 +62,7 @@ impl<const NU: usize> Factor<NU> {
         for i in (0..NU).rev() {
             let (before, after) = b.split_at_mut(i + 1);
             for (factor, row) in self.rows[i + 1..].iter().zip(after) {
-                crate::matrix::add_scaled(&mut before[i], -factor[i], row);
+                add_scaled(&mut before[i], -factor[i], row);
             }
             before[i] = before[i].map(|x| x * self.rows[i][i]);
         }
@@ -108,33 +108,33 @@ impl<const NU: usize> Quadratic<'_, NU> {
         if limits.contain(&change) {
             return Some(Minimum { change, factor });
         }
-        let mut found = Minimum { change: limits.clamp(start), factor };
+        let mut minimum = Minimum { change: limits.clamp(start), factor };
         for _ in 0..CHANGES {
-            let slope = self.slope(&found.change);
-            let free = limits.free(&found.change, &slope);
-            if found.factor.free != free {
-                found.factor = Factor::new(self.hessian, self.damping, free)?;
+            let slope = self.slope(&minimum.change);
+            let free = limits.free(&minimum.change, &slope);
+            if minimum.factor.free != free {
+                minimum.factor = Factor::new(self.hessian, self.damping, free)?;
             }
             let downhill: [f64; NU] =
                 core::array::from_fn(|i| if free[i] { -slope[i] } else { 0.0 });
             if dot(&downhill, &downhill) <= CONVERGED * dot(self.gradient, self.gradient) {
                 break;
             }
-            let direction = found.factor.solve(&downhill);
+            let direction = minimum.factor.solve(&downhill);
             let decrease = SUFFICIENT * dot(&slope, &direction);
-            let value = self.value(&found.change);
+            let value = self.value(&minimum.change);
             let mut length = 1.0;
             for _ in 0..HALVINGS {
                 let change = limits
-                    .clamp(&core::array::from_fn(|i| found.change[i] + length * direction[i]));
+                    .clamp(&core::array::from_fn(|i| minimum.change[i] + length * direction[i]));
                 if self.value(&change) <= value + length * decrease {
-                    found.change = change;
+                    minimum.change = change;
                     break;
                 }
                 length *= 0.5;
             }
         }
-        Some(found)
+        Some(minimum)
     }
 
     /// Returns the gradient at a change.

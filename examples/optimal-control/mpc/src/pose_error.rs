@@ -1,6 +1,6 @@
 //! The error of a pose, and its derivative.
 
-use modyn::spatial::{Quaternion, Vector3, inverse_rotation_jacobian};
+use modyn::spatial::{Matrix3, Quaternion, Vector3, inverse_rotation_jacobian};
 use modyn::{Array as _, Pose, Robot, functions};
 
 /// Returns the error of a pose: the displacement from the target to the pose in world axes, m, then the rotation vector
@@ -27,11 +27,11 @@ where
     R: Robot + functions::Jacobian,
 {
     let to_rate = inverse_rotation_jacobian(rotation_vector(pose, target));
+    let to_link = Matrix3(pose.rotation).transposed();
     let jacobian = R::jacobian(q, link);
     let mut rows = [R::V::<f64>::from_fn(|_| 0.0); 6];
     for (j, twist) in jacobian.as_ref().iter().enumerate() {
-        let angular = Vector3(transposed_times(&pose.rotation, &twist.angular.0));
-        let rate = to_rate.mul_vector(angular);
+        let rate = to_rate.mul_vector(to_link.mul_vector(twist.angular));
         for i in 0..3 {
             rows[i].as_mut()[j] = twist.linear.0[i];
             rows[3 + i].as_mut()[j] = rate.0[i];
@@ -42,11 +42,8 @@ where
 
 /// Returns the rotation vector from the target to the pose in the target's axes.
 fn rotation_vector(pose: &Pose<f64>, target: &Pose<f64>) -> Vector3<f64> {
-    // The rotation by columns.
-    let columns: [[f64; 3]; 3] = core::array::from_fn(|j| {
-        transposed_times(&target.rotation, &core::array::from_fn(|i| pose.rotation[i][j]))
-    });
-    let entry = |i: usize, j: usize| columns[j][i];
+    let rotation = Matrix3(target.rotation).transposed().times(&Matrix3(pose.rotation));
+    let entry = |i: usize, j: usize| rotation.0[i][j];
     // Four times a component of the quaternion, times the quaternion: the largest component has no cancellation (Shepperd
     // 1978, "Quaternion from rotation matrix").
     let trace = entry(0, 0) + entry(1, 1) + entry(2, 2);
@@ -64,9 +61,4 @@ fn rotation_vector(pose: &Pose<f64>, target: &Pose<f64>) -> Vector3<f64> {
         };
     }
     Quaternion::from_components(components).log()
-}
-
-/// Returns m^T x.
-fn transposed_times(m: &[[f64; 3]; 3], x: &[f64; 3]) -> [f64; 3] {
-    core::array::from_fn(|i| (0..3).map(|k| m[k][i] * x[k]).sum())
 }

@@ -18,8 +18,8 @@
 use modyn::simulate::State;
 use modyn::{Robot, functions};
 
-use crate::knot::{InputCost, Knot, StateCost};
-use crate::limited::Quadratic;
+use crate::knot::{InputCost, Knot, StateCost, StepDerivatives};
+use crate::limited::{Minimum, Quadratic};
 use crate::matrix::{
     Matrix, add_scaled, add_transposed_product, add_transposed_vector, dot, mirror, transposed,
 };
@@ -291,7 +291,9 @@ impl<P: Problem<NV, NU>, const NV: usize, const NU: usize, const N: usize> Solve
 
     /// Computes the trial motion from a state.
     fn roll_out(&mut self, problem: &P, start: &State<P::Robot>, length: f64) {
-        let (limits, mut x, mut cost) = (problem.limits(), *start, 0.0);
+        let limits = problem.limits();
+        let mut x = *start;
+        let mut cost = 0.0;
         for k in 0..N {
             let u = limits.clamp(&self.inputs(k, &self.motion.states[k], &x, length));
             let step = problem.step(k, &x, &u);
@@ -307,13 +309,16 @@ impl<P: Problem<NV, NU>, const NV: usize, const NU: usize, const N: usize> Solve
     /// Computes the changes and the gains along the motion, from its end; `None` if the linear-quadratic problem needs
     /// more damping.
     fn backward(&mut self, problem: &P) -> Option<Promise> {
-        let (dt, limits) = (problem.dt(), problem.limits());
+        let dt = problem.dt();
+        let limits = problem.limits();
         let mut value = StateCost::ZERO;
         problem.linearize_end(&self.motion.end, &mut value);
-        let (mut knot, mut promise) = (Knot::ZERO, Promise::default());
+        let mut knot = Knot::ZERO;
+        let mut promise = Promise::default();
         for k in (0..N).rev() {
             let u = &self.motion.inputs[k];
-            (knot.state, knot.input) = (StateCost::ZERO, InputCost::ZERO);
+            knot.state = StateCost::ZERO;
+            knot.input = InputCost::ZERO;
             problem.linearize(k, &self.motion.states[k], u, &mut knot);
             if Self::FLOATING {
                 by_velocities_floating(&mut value, &knot, dt);
@@ -350,7 +355,7 @@ fn by_velocities_floating<const NV: usize, const NU: usize>(
     dt: f64,
 ) {
     let StateCost { q, qd, q_q, q_qd, qd_qd } = cost;
-    let (dq_dq, dq_dv) = (&knot.step.dq_dq, &knot.step.dq_dv);
+    let StepDerivatives { dq_dq, dq_dv, .. } = &knot.step;
     add_scaled(qd, dt, &base_vector(q, dq_dv));
     *q = base_vector(q, dq_dq);
     let qd_q = transposed(q_qd);
@@ -404,7 +409,7 @@ fn riccati<const NV: usize, const NU: usize>(
     gain: &mut Gain<NV, NU>,
 ) -> Option<Promise> {
     let Knot { step, state, input } = knot;
-    let (by_q, by_qd, by_u) = (&step.dqd_dq, &step.dqd_dqd, &step.dqd_du);
+    let StepDerivatives { dqd_dq: by_q, dqd_dqd: by_qd, dqd_du: by_u, .. } = step;
 
     // The Hessian with respect to the velocities after the step, times the derivatives of these velocities.
     let mut hessian_q = [[0.0; NV]; NV];
@@ -446,9 +451,9 @@ fn riccati<const NV: usize, const NU: usize>(
     // The best change of the inputs, and its feedback.
     let InputCost { u: gradient, u_q, u_qd, u_u } = &of_input;
     let quadratic = Quadratic { hessian: u_u, gradient, damping };
-    let found = quadratic.minimum(limits, &gain.change)?;
-    let (change, factor) = (found.change, found.factor);
-    let (mut lower_q, mut lower_qd) = (*u_q, *u_qd);
+    let Minimum { change, factor } = quadratic.minimum(limits, &gain.change)?;
+    let mut lower_q = *u_q;
+    let mut lower_qd = *u_qd;
     factor.solve_lower(&mut lower_q);
     factor.solve_lower(&mut lower_qd);
     let minus_q = lower_q.map(|row| row.map(|x| -x));

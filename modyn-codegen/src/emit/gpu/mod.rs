@@ -306,8 +306,8 @@ fn list(title: &str, names: &[impl AsRef<str>]) -> String {
 
 /// Returns the kernels of all functions.
 fn kernels<'a>(plan: &'a Plan, model: &Model, prefix: &str) -> Vec<Kernel<'a>> {
-    let frames: Vec<&str> = model.links().iter().map(|link| link.name.as_str()).collect();
-    let links = names::fields(&frames, &[]);
+    let link_names: Vec<&str> = model.links().iter().map(|link| link.name.as_str()).collect();
+    let links = names::fields(&link_names, &[]);
     let placements: Vec<[f64; Frames::PLACEMENT]> = plan.frames.placements().collect();
     let mut kernels = Vec::new();
     for planned in plan.functions.iter().filter(|planned| !planned.result.is_empty()) {

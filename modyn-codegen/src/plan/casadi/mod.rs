@@ -74,8 +74,8 @@ impl CasadiPlan {
         budget: &mut Budget,
     ) -> Result<Self, TooLong> {
         let tracer = &context.tracer;
-        let frames: Vec<&str> = model.links().iter().map(|link| link.name.as_str()).collect();
-        let links = names::fields(&frames, &[]);
+        let link_names: Vec<&str> = model.links().iter().map(|link| link.name.as_str()).collect();
+        let links = names::fields(&link_names, &[]);
         let mut plan = Self::default();
         let has_form =
             |f: &&Function| f.row().casadi && f.fits(&context.sizes) && selected.contains(f);
