@@ -20,7 +20,7 @@ use modyn_runtime::{OperationCount, UserFunction};
 
 use crate::emit::{
     EmitOptions, File, FloatType, GpuKernel, GpuLanguage, PlannedRobot, Refused, RolloutOptions,
-    RolloutSource, Target, emit_rollouts,
+    RolloutSource, Target, emit_rollouts, emit_rows,
 };
 use crate::options::{
     FusedFunction, ModuleChoice, OptionError, Options, Value, option_table, user,
@@ -439,9 +439,44 @@ impl Builder {
     /// Returns all errors of the description and the options, and an error if the function has too
     /// many operations.
     pub fn plan_entries(&self, function: &EntryFunction) -> Result<Planning, Diagnostics> {
+        self.planned_entries(function, Execution::Simd)
+    }
+
+    /// Returns CUDA text for one function of arrays of plain numbers, or for a derivative of one:
+    /// the kernel `modyn_rows`, whose arrays have a row of numbers for each state. Its parameters are
+    /// the arrays of arguments, the arrays of results, the numbers `every` and `rows` of each
+    /// argument (`unsigned int`), and the number of states. Argument `k` of state `i` is row
+    /// `i / every % rows` of its array. `lengths` are the numbers of a row of each argument and of
+    /// each result. A block has at most 128 threads. The options `functions` and `fused` have no
+    /// effect.
+    ///
+    /// # Errors
+    ///
+    /// Returns all errors of the description and the options, and an error if the function has too
+    /// many operations.
+    pub fn emit_rows(
+        &self,
+        function: &EntryFunction,
+        lengths: [&[usize]; 2],
+    ) -> Result<String, Diagnostics> {
+        let Planning { plan, .. } = self.planned_entries(function, Execution::Threads)?;
+        let text = |planned| emit_rows(planned, lengths, self.options.code.scalar);
+        Ok(plan.functions.first().map(text).unwrap_or_default())
+    }
+
+    /// Returns the program of one function of arrays, for programs that run in this way.
+    fn planned_entries(
+        &self,
+        function: &EntryFunction,
+        execution: Execution,
+    ) -> Result<Planning, Diagnostics> {
         let Inputs { model, modules, choices, options, files } =
             self.clone().functions([]).inputs()?;
-        let planned = Plan::for_entries(&model, &modules, &choices.of_machine_code(), function);
+        let choices = match execution {
+            Execution::Threads => choices,
+            _ => choices.of_machine_code(),
+        };
+        let planned = Plan::for_entries(&model, &modules, &choices, execution, function);
         let plan = planned.map_err(|reason| {
             let derivatives = function.derivatives.len();
             Diagnostics::new(vec![too_long_entries(&model, &modules, &reason, derivatives)])

@@ -160,7 +160,7 @@ mod _modyn {
         mujoco_to_qvel, pinocchio_angle, pinocchio_cos_sin,
     };
     #[pymodule_export]
-    use super::entries::xla_handler;
+    use super::entries::{CudaKernel, xla_cuda_handler, xla_handler};
     #[pymodule_export]
     use super::factorization::Factorization;
     #[cfg(feature = "gpu")]

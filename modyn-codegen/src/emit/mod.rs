@@ -31,7 +31,7 @@ use modyn_runtime::model::{Model, ModuleTree};
 use modyn_runtime::{ConstraintSettings, ContactTarget, StepSettings};
 
 use crate::names;
-use crate::plan::{ArgumentKind, Choices, Function, Plan, TooLong};
+use crate::plan::{ArgumentKind, Choices, Function, Plan, Planned, TooLong};
 use crate::program::Execution;
 
 /// The scalar of the generated type's own functions.
@@ -341,6 +341,12 @@ pub fn emit_wrapper(robot: &PlannedRobot<'_>, code: &MachineCode) -> String {
 #[must_use]
 pub fn emit_object_header(robot: &PlannedRobot<'_>, code: &MachineCode) -> String {
     c::print_object_header(robot, code)
+}
+
+/// Returns the CUDA text of a function of arrays, as [`Builder::emit_rows`](crate::Builder::emit_rows)
+/// documents it.
+pub(crate) fn emit_rows(planned: &Planned, lengths: [&[usize]; 2], float: FloatType) -> String {
+    gpu::print_rows(planned, lengths, float)
 }
 
 /// Returns kernels for graphics processors that integrate motions over many time steps, whose names

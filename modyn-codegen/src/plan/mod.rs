@@ -144,6 +144,7 @@ impl Plan {
         model: &Model,
         modules: &ModuleTree,
         choices: &Choices,
+        execution: Execution,
         function: &EntryFunction,
     ) -> Result<Self, TooLong> {
         let none = Choices {
@@ -157,7 +158,7 @@ impl Plan {
             let plan = || Planned::entries(function, context);
             budget.spend(function.function.name(), least, plan, Planned::length)
         };
-        let (mut plan, planned) = Self::traced(model, modules, &none, Execution::Simd, planned)?;
+        let (mut plan, planned) = Self::traced(model, modules, &none, execution, planned)?;
         plan.functions.push(planned);
         Ok(plan)
     }

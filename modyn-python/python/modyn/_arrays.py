@@ -30,14 +30,18 @@ class Code:
     constant: int | None = None
     """the argument that has no derivatives: the one from which a solver, or the first solver of a rollout, starts"""
 
-    def __init__(self, name: str, handle: CodeHandle) -> None:
-        self.name, self.handle = name, handle
+    def __init__(self, name: str, handle: CodeHandle, dtype: Any) -> None:
+        self.name, self.handle, self.dtype = name, handle, dtype
         self.key: int = handle.key
         """the key by which XLA finds the code"""
         self.inputs: list[Shape] = handle.inputs
         """the shapes of the arguments for one state"""
         self.outputs: list[Shape] = handle.outputs
         """the shapes of the results for one state"""
+
+    def cuda_text(self) -> str:
+        """Returns the text of the kernel on CUDA."""
+        raise NotImplementedError(f"`{self.name}` has no kernel on CUDA")
 
     def at_solution(self, arguments: Sequence[Any], results: Sequence[Any]) -> list[Any]:
         """Returns the arguments at which derivatives are taken: a solver starts from the accelerations of its solution."""
@@ -80,7 +84,7 @@ class ArrayFunction(Code):
         handle = robot._array_code(name, link, list(derivatives), extras.feedback, extras.cost)
         if extras.ground is not None:
             handle = robot._field_code(handle, derivatives[0] if derivatives else None, *extras.ground._numbers())
-        super().__init__(name, handle)
+        super().__init__(name, handle, robot.dtype)
         self.robot, self.link, self.derivatives, self.extras = robot, link, derivatives, extras
         names = Signature.of(robot, name, link).names
         self._solves = "warm_start" in names
@@ -89,6 +93,13 @@ class ArrayFunction(Code):
         self.state = [k for k, argument in enumerate(names) if argument in STATE]
         self._derived: dict[tuple[str, tuple[int, ...]], ArrayFunction] = {}
         self._rollouts: dict[tuple[int, bool, tuple[int, ...]], Rollout] = {}
+
+    def cuda_text(self) -> str:
+        """Returns the text of the kernel on CUDA."""
+        if self.extras.ground is not None:
+            raise NotImplementedError("steps on a `HeightField` run on the CPU; on CUDA, set the planes of the surfaces in `settings`")
+        extras = self.extras.feedback, self.extras.cost
+        return self.robot._array_text(self.name, self.link, list(self.derivatives), *extras)
 
     def rollout(self, steps: int, trajectory: bool, sequences: tuple[int, ...]) -> Rollout:
         """Returns the rollout of this number of steps; `sequences` are the arguments with numbers for each step."""
@@ -142,7 +153,7 @@ class Rollout(Code):
         # A cost is an argument after `q` and `qd`, and a result after them.
         self.state = [*step.state, 2] if step.extras.cost else step.state
         self.roles = {"state": self.state, "start": step.start, "sequences": list(sequences)}
-        super().__init__(f"rollout of {step.name}", step.handle.rollout(steps, trajectory, self.roles))
+        super().__init__(f"rollout of {step.name}", step.handle.rollout(steps, trajectory, self.roles), step.dtype)
         self.step, self.steps, self.trajectory, self.sequences = step, steps, trajectory, sequences
         self.constant = step.start
         self._gradients: dict[tuple[int, ...], RolloutGradient] = {}
@@ -168,7 +179,8 @@ class RolloutGradient(Code):
         carried = {k for k in rollout.state if k != rollout.step.start}
         step = rollout.step.derivative("reverse", sorted(carried | {*variables}))
         forward, reverse = rollout.step.handle, (step.handle, variables)
-        super().__init__(rollout.name, forward.rollout(rollout.steps, rollout.trajectory, rollout.roles, reverse))
+        handle = forward.rollout(rollout.steps, rollout.trajectory, rollout.roles, reverse)
+        super().__init__(rollout.name, handle, rollout.dtype)
         self.rollout, self.variables = rollout, variables
 
     def derivative(self, mode: str, variables: Sequence[int]) -> Any:
@@ -377,8 +389,8 @@ class Signature:
             own.append(inspect.Parameter("parameters", inspect.Parameter.KEYWORD_ONLY, default=None))
         return inspect.Signature(own)
 
-    def bind(self, given: tuple[Any, ...], named: dict[str, Any]) -> tuple[list[Any], Any]:
-        """Returns the arguments in their order, with their defaults, and the run-time parameters or `None`."""
+    def bind(self, given: tuple[Any, ...], named: dict[str, Any], defaults: Sequence[Any]) -> tuple[list[Any], Any]:
+        """Returns the arguments in their order, with these defaults, and the run-time parameters or `None`."""
         if not named and len(given) == len(self.names):
             all_given, parameters = list(given), None
         else:
@@ -389,7 +401,7 @@ class Signature:
             bound.apply_defaults()
             all_given = [bound.arguments[name] for name in self.names]
             parameters = bound.arguments.get("parameters")
-        return [default if x is None else x for x, default in zip(all_given, self.defaults)], parameters
+        return [default if x is None else x for x, default in zip(all_given, defaults)], parameters
 
     def check(self, arrays: Sequence[Any]) -> None:
         """Checks the shapes of arguments, whose leading axes are those of states and are broadcast."""

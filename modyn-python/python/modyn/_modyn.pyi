@@ -139,6 +139,10 @@ def options_table() -> list[tuple[str, str, str, str]]:
 def xla_handler() -> int:
     """Returns the address of XLA's handler of all functions of arrays."""
 
+def xla_cuda_handler(on_host: bool = False) -> int:
+    """Returns the address of XLA's handler of all functions of arrays on CUDA; for tests the address of a handler that XLA calls on
+    the host."""
+
 def set_threads(threads: int | None) -> None:
     """Sets the number of threads that share a batch; `None` for all processors, the default."""
 
@@ -266,6 +270,20 @@ class CodeHandle:
         the step's products, the rollout returns the gradients with respect to the arguments `variables`. `roles` are the roles
         of the step's arguments: `state`, `start` and `sequences`."""
 
+class CudaKernel:
+    """A kernel on CUDA, for `modyn.torch` and `modyn.jax`."""
+
+    def __init__(
+        self, key: int, driver: Sequence[int], function: int, shapes: Sequence[Sequence[Sequence[int]]], is_double: bool
+    ) -> None:
+        """Keeps a kernel under the key of its function. `driver` are the addresses of the functions `cuLaunchKernel`,
+        `cuCtxPushCurrent`, `cuCtxPopCurrent` and `cuGetErrorString`, `shapes` the shapes of the arguments and of the results."""
+    def states(self, shapes: Sequence[Sequence[int]]) -> tuple[list[int], list[int]]:
+        """Returns the axes of states that arguments of these shapes have in common, and the indices of the arguments that must be
+        repeated along them before `launch`."""
+    def launch(self, context: int, stream: int, shapes: Sequence[Sequence[int]], arrays: Sequence[int]) -> None:
+        """Starts the kernel on a stream of a context. `arrays` are the addresses of the arguments, whose shapes are `shapes`, and of
+        the results, in this order."""
 
 @final
 class Robot:
@@ -404,6 +422,15 @@ class Robot:
         """Returns the code of a function or of a derivative. Each derivative is its mode (`forward`, `reverse` or `matrix`) and the
         indices of the arrays that vary. With `feedback`, a time step has the arguments `gains`, `q_ref` and `qd_ref`; with
         `cost`, the array `cost` of the state, and `q_goal`, `qd_goal`, `state_weights` and `control_weights`."""
+    def _array_text(
+        self,
+        name: str,
+        link: str | int | None,
+        derivatives: Sequence[tuple[str, Sequence[int]]],
+        feedback: bool = False,
+        cost: bool = False,
+    ) -> str:
+        """Returns the text of a kernel on CUDA for the function or the derivative that `_array_code` has for these arguments."""
     def _field_code(
         self,
         step: CodeHandle,

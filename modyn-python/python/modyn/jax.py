@@ -55,7 +55,7 @@ def function(robot: Robot, name: str, link: str | int | None = None) -> Callable
     dtype = np.dtype(robot.dtype)
 
     def call(*given: Any, **named: Any) -> Any:
-        arrays, own = signature.bind(given, named)
+        arrays, own = signature.bind(given, named, signature.defaults)
         arrays = [_array(array, dtype, argument, name) for argument, array in zip(signature.names, arrays)]
         signature.check(arrays)
         if signature.parameters:

@@ -1,4 +1,4 @@
-"""Functions of a robot as functions of PyTorch, on the CPU.
+"""Functions of a robot as functions of PyTorch, on the CPU and on CUDA.
 
     import torch, modyn, modyn.torch
 
@@ -8,8 +8,8 @@
     (qdd**2).sum().backward()
 
 Gradients of any order, forward mode, `torch.func` and `torch.compile` work. Derivatives are machine code, which modyn compiles at their
-first use. A function scales quaternions to length 1, and derivatives with respect to `q` are those of this function by the
-entries of `q`. `to_tangent` turns a gradient into one by displacements.
+first use; on CUDA they are kernels, which start on the current stream and copy nothing. A function scales quaternions to length 1, and
+derivatives with respect to `q` are those of this function by the entries of `q`. `to_tangent` turns a gradient into one by displacements.
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ except ImportError as error:
     raise ImportError("`modyn.torch` needs PyTorch: pip install modyn[torch]") from error
 import numpy as np
 
+from . import _cuda
 from ._arrays import ArrayFunction, Rollout, RolloutSignature, Signature, documented, motions, unchanging
 from ._modyn import Robot
 from ._results import ActuatedStep, StepSolution
@@ -42,16 +43,16 @@ def function(robot: Robot, name: str, link: str | int | None = None) -> Callable
     signature = Signature(robot, name, link)
     number = _numbered(ArrayFunction(robot, name, link))
     dtype = _dtype(robot)
-    signature.defaults = [None if default is None else torch.from_numpy(default) for default in signature.defaults]
-    present = torch.from_numpy(np.concatenate([own.numbers for own in signature.parameters])) if signature.parameters else None
+    constants = _Constants(signature)
 
     def call(*given: Any, **named: Any) -> Any:
-        own, of_robot = signature.bind(given, named)
-        tensors = [_tensor(x, dtype, argument, name) for argument, x in zip(signature.names, own)]
+        device = _device((*given, *named.values()))
+        own, of_robot = signature.bind(given, named, constants.defaults(device))
+        tensors = [_tensor(x, dtype, argument, name, device) for argument, x in zip(signature.names, own)]
         signature.check(tensors)
-        if present is not None:
-            flat = lambda: signature.flat(of_robot, lambda x: _tensor(x, dtype, "parameters", name), _concatenate)
-            tensors.append(present if of_robot is None else flat())
+        if signature.parameters:
+            flat = lambda: signature.flat(of_robot, lambda x: _tensor(x, dtype, "parameters", name, device), _concatenate)
+            tensors.append(constants.present(device) if of_robot is None else flat())
         return _rebuilt(signature.result, _called(number, tensors))
 
     return documented(call, signature, "PyTorch")
@@ -139,19 +140,64 @@ def _dtype(robot: Robot) -> torch.dtype:
     return torch.float64 if robot.dtype == np.float64 else torch.float32
 
 
-def _tensor(given: Any, dtype: torch.dtype, argument: str, name: str) -> torch.Tensor:
-    """Returns an argument as a tensor of the robot's scalar."""
+class _Constants:
+    """The tensors that a function adds to its arguments, on each device."""
+
+    def __init__(self, signature: Signature) -> None:
+        numbers = [own.numbers for own in signature.parameters]
+        arrays = [*signature.defaults, np.concatenate(numbers) if numbers else None]
+        self.on: dict[torch.device, list[Any]] = {_CPU: [None if x is None else torch.from_numpy(x) for x in arrays]}
+
+    def all(self, device: torch.device) -> list[Any]:
+        if device not in self.on:
+            self.on[device] = [None if x is None else x.to(device) for x in self.on[_CPU]]
+        return self.on[device]
+
+    def defaults(self, device: torch.device) -> list[Any]:
+        """Returns the defaults of the arguments."""
+        return self.all(device)[:-1]
+
+    def present(self, device: torch.device) -> Any:
+        """Returns the run-time parameters that the robot had."""
+        return self.all(device)[-1]
+
+
+_CPU = torch.device("cpu")
+
+
+def _is_cuda(device: torch.device) -> bool:
+    """Returns whether kernels compute on a device. Tests replace it."""
+    return device.type == "cuda"
+
+
+def _stream(device: torch.device) -> int:
+    """Returns the address of the current stream of a device. Tests replace it."""
+    return int(torch.cuda.current_stream(device).cuda_stream)
+
+
+def _device(given: Sequence[Any]) -> torch.device:
+    """Returns the device of a call: the device of its first tensor on CUDA, else the CPU."""
+    return next((x.device for x in given if isinstance(x, torch.Tensor) and _is_cuda(x.device)), _CPU)
+
+
+def _tensor(given: Any, dtype: torch.dtype, argument: str, name: str, device: torch.device = _CPU) -> torch.Tensor:
+    """Returns an argument as a tensor of the robot's scalar on the device of a call."""
     if isinstance(given, int | float):
-        return torch.tensor(given, dtype=dtype)
+        return torch.full((), given, dtype=dtype, device=device)
     try:
         # PyTorch makes single precision of lists of numbers.
         tensor = given if isinstance(given, torch.Tensor) else torch.as_tensor(np.asarray(given))
     except (TypeError, ValueError, RuntimeError) as error:
         raise TypeError(f"`{argument}` of `{name}` must be a tensor of real numbers: {error}") from None
-    if tensor.device.type != "cpu":
-        raise ValueError(f"`{argument}` of `{name}` is on the device {tensor.device}; `modyn.torch` computes on the CPU")
+    if tensor.device != device:
+        of_others = f"other arguments are on {device}" if _is_cuda(device) else "`modyn.torch` computes on the CPU and on CUDA"
+        raise ValueError(f"`{argument}` of `{name}` is on the device {tensor.device}; {of_others}")
+    if _is_cuda(device) and not tensor.is_contiguous():
+        raise ValueError(f"`{argument}` of `{name}` is not contiguous, and calls on CUDA copy nothing: pass `.contiguous()` of it")
     if tensor.dtype == dtype:
         return tensor
+    if _is_cuda(device):
+        raise TypeError(f"`{argument}` of `{name}` has numbers of {tensor.dtype}, and calls on CUDA copy nothing: pass `.to({dtype})` of it")
     if tensor.is_complex() or tensor.dtype == torch.bool:
         raise TypeError(f"`{argument}` of `{name}` must be a tensor of real numbers, not of {tensor.dtype}")
     return tensor.to(dtype)
@@ -189,6 +235,10 @@ def _called(number: int, tensors: Sequence[torch.Tensor]) -> Sequence[torch.Tens
 
 
 def _computed(code: Any, tensors: Sequence[torch.Tensor]) -> list[torch.Tensor]:
+    device = tensors[0].device
+    if _is_cuda(device):
+        arrays = [tensor.contiguous() for tensor in tensors]
+        return _cuda.call(code, device.index or 0, _stream(device), arrays, tensors[0].new_empty)
     arrays = [tensor.detach().contiguous().numpy() for tensor in tensors]
     return [torch.from_numpy(array) for array in code.handle.call(arrays)]
 
@@ -254,7 +304,7 @@ def _resolved(number: int, reverse: bool) -> Any:
     return code.derivative("reverse", range(len(code.inputs))) if reverse else code
 
 
-@torch.library.custom_op("modyn::call", mutates_args=(), device_types="cpu")
+@torch.library.custom_op("modyn::call", mutates_args=(), device_types=("cpu", "cuda"))
 def _operator(function: int, reverse: bool, tensors: list[torch.Tensor]) -> list[torch.Tensor]:
     code = _codes[function]
     if reverse and code.start is not None:

@@ -30,6 +30,10 @@ pub struct Metadata {
     pub traits: u32,
 }
 
+/// The entry of [`Metadata::traits`] of a handler that starts the same kernels in every call, so that
+/// a CUDA graph can repeat them.
+pub const COMMAND_BUFFER: u32 = 1;
+
 #[repr(C)]
 pub struct MetadataExtension {
     pub base: Extension,
@@ -50,7 +54,7 @@ pub struct Api {
     pub error_message: *const c_void,
     pub error_destroy: extern "C" fn(*mut ErrorDestroy),
     pub handler_register: *const c_void,
-    pub stream_get: *const c_void,
+    pub stream: Option<extern "C" fn(*mut StreamGet) -> Error>,
     pub type_register: *const c_void,
     pub context_get: *const c_void,
     pub state_set: *const c_void,
@@ -77,6 +81,15 @@ pub struct ErrorDestroy {
     pub size: usize,
     pub extension: *mut Extension,
     pub error: Error,
+}
+
+/// A question for the stream of a call.
+#[repr(C)]
+pub struct StreamGet {
+    pub size: usize,
+    pub extension: *mut Extension,
+    pub context: *mut c_void,
+    pub stream: *mut c_void,
 }
 
 /// A task for XLA's threads.

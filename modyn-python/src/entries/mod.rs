@@ -4,11 +4,13 @@
 //! ```text
 //! Robot ─ plan_entries ─▶ ArrayCode, by a key of its content ─┬─ xla.rs: XLA calls it with its buffers and threads
 //!                                                             └─ codes/handle.rs: arrays of NumPy
+//!       ─ emit_rows ─▶ text ─ _cuda.py: NVRTC ─▶ CudaKernel, by the same key: cuda.rs
 //! ```
 //!
 //! Code lives as long as a [`CodeHandle`] does. The robot has one, functions of Python have one, and
 //! `modyn.jax` keeps the handles of the code that programs of XLA call.
 
+mod cuda;
 mod field;
 mod interface;
 mod signature;
@@ -28,8 +30,9 @@ use crate::codes::{
 };
 use crate::errors::{description_error, warn_of_machine_code};
 use crate::robot::Robot;
+pub use cuda::CudaKernel;
 use field::{FieldNumbers, FieldStep};
-pub use xla::xla_handler;
+pub use xla::{xla_cuda_handler, xla_handler};
 
 /// Returns a derivative, given its mode and the indices of the arrays that vary.
 fn parsed(derivative: (String, Vec<usize>)) -> PyResult<Derivative> {
@@ -86,13 +89,28 @@ impl Robot {
         feedback: bool,
         cost: bool,
     ) -> PyResult<CodeHandle> {
-        let (function, link) = self.array_function(name, link)?;
-        let derivatives = derivatives.into_iter().map(parsed).collect::<PyResult<Vec<_>>>()?;
-        let mut results = signature::places(self, function);
-        let count = results.iter().map(Vec::len).sum();
-        results.extend(cost.then(|| vec![count]));
-        let function = EntryFunction { function, link, results, feedback, cost, derivatives };
-        self.code_of(py, &function)
+        let function = self.entry_function(name, link, derivatives)?;
+        self.code_of(py, &self.with_extras(function, feedback, cost))
+    }
+
+    /// Returns the text of a kernel on CUDA for the function or the derivative that `_array_code`
+    /// has for these arguments.
+    #[pyo3(signature = (name, link, derivatives, feedback=false, cost=false))]
+    fn _array_text(
+        &self,
+        py: Python<'_>,
+        name: &str,
+        link: Option<&Bound<'_, PyAny>>,
+        derivatives: Vec<(String, Vec<usize>)>,
+        feedback: bool,
+        cost: bool,
+    ) -> PyResult<String> {
+        let plain = self.entry_function(name, link, derivatives)?;
+        let function = self.with_extras(plain, feedback, cost);
+        let shapes = signature::shapes(self, &function).map_err(PyValueError::new_err)?;
+        let builder = self.builder().clone().scalar(self.scalar());
+        let text = py.detach(|| builder.emit_rows(&function, shapes.lengths()));
+        text.map_err(|errors| description_error(py, &errors))
     }
 
     /// Returns the code of `step` on a height field, which sets the planes of the surfaces: given
@@ -126,6 +144,27 @@ impl Robot {
 }
 
 impl Robot {
+    /// Returns a function of arrays or its derivative, as `_array_code` has it without extras.
+    fn entry_function(
+        &self,
+        name: &str,
+        link: Option<&Bound<'_, PyAny>>,
+        derivatives: Vec<(String, Vec<usize>)>,
+    ) -> PyResult<EntryFunction> {
+        let (function, link) = self.array_function(name, link)?;
+        let derivatives = derivatives.into_iter().map(parsed).collect::<PyResult<Vec<_>>>()?;
+        let results = signature::places(self, function);
+        Ok(EntryFunction { function, link, results, feedback: false, cost: false, derivatives })
+    }
+
+    /// Returns a function of arrays with a feedback, with a cost, or with both.
+    fn with_extras(&self, function: EntryFunction, feedback: bool, cost: bool) -> EntryFunction {
+        let mut results = function.results;
+        let count = results.iter().map(Vec::len).sum();
+        results.extend(cost.then(|| vec![count]));
+        EntryFunction { results, feedback, cost, ..function }
+    }
+
     /// Returns the function of the table with this name, and the index of its link.
     fn array_function(
         &self,

@@ -16,9 +16,11 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use pyo3::prelude::*;
 
+use super::cuda;
 use super::interface::{
-    Api, Attributes, Buffer, Buffers, CallFrame, Error, ErrorCreate, ErrorDestroy, F32, F64, I64,
-    INVALID_ARGUMENT, METADATA, MetadataExtension, NumThreads, SCALAR, ScalarAttribute, Schedule,
+    Api, Attributes, Buffer, Buffers, COMMAND_BUFFER, CallFrame, Error, ErrorCreate, ErrorDestroy,
+    F32, F64, I64, INVALID_ARGUMENT, METADATA, MetadataExtension, NumThreads, SCALAR,
+    ScalarAttribute, Schedule, StreamGet,
 };
 use crate::codes::{AnyCode, ArrayCode, Broadcast, Numbers, Results, find, leading, missing};
 use crate::number::Number;
@@ -30,17 +32,41 @@ pub fn xla_handler() -> usize {
     (handler as unsafe extern "C" fn(*mut CallFrame) -> Error) as *const () as usize
 }
 
+/// Returns the address of XLA's handler of all functions of arrays on CUDA; for tests the address of
+/// a handler that XLA calls on the host.
+#[pyfunction]
+#[pyo3(signature = (on_host=false))]
+pub fn xla_cuda_handler(on_host: bool) -> usize {
+    type Handler = unsafe extern "C" fn(*mut CallFrame) -> Error;
+    let handler: Handler = if on_host { cuda_handler::<true> } else { cuda_handler::<false> };
+    handler as *const () as usize
+}
+
 unsafe extern "C" fn handler(frame: *mut CallFrame) -> Error {
+    // SAFETY: see the header.
+    unsafe { answered(frame, 0, |frame, api| call(frame, api)) }
+}
+
+unsafe extern "C" fn cuda_handler<const ON_HOST: bool>(frame: *mut CallFrame) -> Error {
+    // SAFETY: see the header.
+    unsafe { answered(frame, COMMAND_BUFFER, |frame, api| call_on_cuda::<ON_HOST>(frame, api)) }
+}
+
+/// Answers XLA's question for metadata, else calls a function.
+unsafe fn answered(
+    frame: *mut CallFrame,
+    traits: u32,
+    call: impl Fn(&CallFrame, &Api) -> Result<(), String>,
+) -> Error {
     // SAFETY: see the header.
     let frame = unsafe { &*frame };
     // SAFETY: see the header.
-    if unsafe { answers_metadata(frame) } {
+    if unsafe { answers_metadata(frame, traits) } {
         return null_mut();
     }
     // SAFETY: see the header. Only a question for metadata has no functions of XLA.
     let Some(api) = (unsafe { frame.api.as_ref() }) else { return null_mut() };
-    // SAFETY: see the header.
-    let called = catch_unwind(AssertUnwindSafe(|| unsafe { call(frame, api) }));
+    let called = catch_unwind(AssertUnwindSafe(|| call(frame, api)));
     let text = match called {
         Ok(Ok(())) => return null_mut(),
         Ok(Err(message)) => message,
@@ -57,7 +83,7 @@ unsafe extern "C" fn handler(frame: *mut CallFrame) -> Error {
 }
 
 /// Answers XLA's question for the version of its interface, if this call is the question.
-unsafe fn answers_metadata(frame: &CallFrame) -> bool {
+unsafe fn answers_metadata(frame: &CallFrame, traits: u32) -> bool {
     // SAFETY: see the header.
     unsafe {
         match frame.extension.as_ref() {
@@ -69,7 +95,7 @@ unsafe fn answers_metadata(frame: &CallFrame) -> bool {
         // The fields that are used have been the same since version 0.1. jaxlib before 0.8 asks
         // without functions, and takes version 0.1 alone.
         metadata.api_version.minor = frame.api.as_ref().map_or(1, |api| api.version.minor);
-        metadata.traits = 0;
+        metadata.traits = traits;
         true
     }
 }
@@ -84,6 +110,41 @@ unsafe fn call(frame: &CallFrame, api: &Api) -> Result<(), String> {
             AnyCode::F32(code) => typed(frame, code, F32, &threads),
         }
     }
+}
+
+/// Starts a kernel on the stream of the call; without a stream if XLA runs the call on the host.
+unsafe fn call_on_cuda<const ON_HOST: bool>(frame: &CallFrame, api: &Api) -> Result<(), String> {
+    // SAFETY: see the header.
+    let [arguments, results] = unsafe { [arrays(&frame.arguments), arrays(&frame.results)] };
+    // SAFETY: see the header.
+    let key =
+        unsafe { key(&frame.attributes) }.ok_or("modyn: a call has no attribute `function`")?;
+    let kernel = cuda::kernel(key).ok_or_else(|| missing(key))?;
+    let dtype = if kernel.is_double() { F64 } else { F32 };
+    let fits = arguments.len() == kernel.inputs().len()
+        && results.len() == kernel.outputs()
+        && arguments.iter().chain(&results).all(|array| array.dtype == dtype);
+    if !fits {
+        return Err("modyn: a call has arrays of another function".into());
+    }
+    let pairs = arguments.iter().zip(kernel.inputs());
+    // SAFETY: see the header.
+    let all_axes = pairs.map(|(array, own_axes)| leading(unsafe { dims(array) }, own_axes));
+    let axes = all_axes.collect::<Result<Vec<&[usize]>, String>>()?;
+    let mut question = StreamGet {
+        size: size_of::<StreamGet>(),
+        extension: null_mut(),
+        context: frame.context,
+        stream: null_mut(),
+    };
+    let threads = XlaThreads { api, context: frame.context };
+    let has_stream = api.stream.is_some_and(|get| threads.succeeded(get(&raw mut question)));
+    if !has_stream && !ON_HOST {
+        return Err("modyn: XLA has no stream for a call on CUDA".into());
+    }
+    let addresses = arguments.iter().chain(&results).map(|array| array.data.addr());
+    // SAFETY: see the header.
+    unsafe { kernel.launch(question.stream.addr(), &axes, addresses.collect()) }
 }
 
 /// Returns the attribute `function`.

@@ -31,6 +31,9 @@ const THREAD: &str = "    const size_t n = count;\n    \
 pub(super) struct Cuda {
     pub float: FloatType,
     pub storage: Storage,
+    /// For a function of arrays with a row of numbers for each state, the lengths of the rows of
+    /// its results. A thread's own arrays are then its rows.
+    pub rows: Option<Vec<usize>>,
 }
 
 impl Cuda {
@@ -51,12 +54,43 @@ impl Cuda {
         }
     }
 
-    /// Returns the parameters for the arguments and the result, from the index of the state on.
+    /// Returns the names of the results.
+    fn results(&self) -> Vec<String> {
+        match &self.rows {
+            Some(lengths) => (0..lengths.len()).map(|k| format!("out{k}")).collect(),
+            None => vec!["out".into()],
+        }
+    }
+
+    /// Returns the parameters for the arguments and the results, from the index of the state on.
     fn parameters(&self, kernel: &GpuKernel) -> Vec<String> {
         let real = self.real();
         let arrays = kernel.arguments.iter();
         let arguments = arrays.map(|a| format!("const {real} *__restrict__ {}", a.name));
-        arguments.chain([format!("{real} *__restrict__ out")]).collect()
+        let results = self.results().into_iter();
+        arguments.chain(results.map(|name| format!("{real} *__restrict__ {name}"))).collect()
+    }
+
+    /// Returns the kernel of a function of arrays with this body. Argument `k` of state `i` is row
+    /// `i / every{k} % rows{k}` of its array.
+    fn rows_kernel(&self, kernel: &GpuKernel, results: &[usize], body: &str) -> String {
+        let mut parameters = self.parameters(kernel);
+        let mut head = String::new();
+        for (k, GpuArgument { name, len, .. }) in kernel.arguments.iter().enumerate() {
+            parameters.push(format!("unsigned int every{k}, unsigned int rows{k}"));
+            let row = format!("(unsigned int)state / every{k} % rows{k}");
+            let _ = writeln!(head, "    {name} += (size_t)({row}) * {len};");
+        }
+        for (k, len) in results.iter().enumerate() {
+            let _ = writeln!(head, "    out{k} += state * {len};");
+        }
+        parameters.push("unsigned int count".into());
+        format!(
+            "extern \"C\" __global__ void __launch_bounds__({BLOCK}, 1) {}({})\n{{\n\
+             {THREAD}{head}{body}}}\n",
+            kernel.name,
+            parameters.join(", ")
+        )
     }
 }
 
@@ -111,9 +145,18 @@ impl Dialect for Cuda {
     }
 
     fn store(&self, _: &GpuKernel, j: usize, value: &str, _: bool) -> String {
-        match self.storage {
-            Storage::Own => format!("out[{j}] = {value};"),
-            Storage::Buffers => format!("out[{j} * n] = {value};"),
+        match (self.storage, &self.rows) {
+            (_, Some(lengths)) => {
+                let mut place = j;
+                let mut array = 0;
+                while place >= lengths[array] {
+                    place -= lengths[array];
+                    array += 1;
+                }
+                format!("out{array}[{place}] = {value};")
+            }
+            (Storage::Own, None) => format!("out[{j}] = {value};"),
+            (Storage::Buffers, None) => format!("out[{j} * n] = {value};"),
         }
     }
 
@@ -149,7 +192,7 @@ impl Dialect for Cuda {
         values: &[usize],
     ) -> String {
         let names = kernel.arguments.iter().map(|argument| argument.name.clone());
-        let buffers = names.chain(["out".into()]).chain(self.count().map(String::from));
+        let buffers = names.chain(self.results()).chain(self.count().map(String::from));
         let chunks = live_in.iter().chain([&number]).map(|k| format!("chunk{k}"));
         let arguments: Vec<String> = buffers.chain(chunks).collect();
         format!(
@@ -162,6 +205,9 @@ impl Dialect for Cuda {
     }
 
     fn kernel(&self, kernel: &GpuKernel, docs: &str, body: &str) -> String {
+        if let Some(results) = &self.rows {
+            return self.rows_kernel(kernel, results, body);
+        }
         let parameters = self.parameters(kernel).join(", ");
         if self.storage == Storage::Own {
             let name = &kernel.name;
@@ -220,7 +266,7 @@ impl Dialect for Cuda {
     }
 
     fn of_routines(&self) -> Box<dyn Dialect> {
-        Box::new(Self { float: self.float, storage: Storage::Own })
+        Box::new(Self { float: self.float, storage: Storage::Own, rows: None })
     }
 
     fn zero(&self, name: &str) -> String {

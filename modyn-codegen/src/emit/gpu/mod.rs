@@ -245,7 +245,7 @@ fn dialect(
     prefix: &str,
 ) -> Box<dyn Dialect> {
     match language {
-        GpuLanguage::Cuda => Box::new(cuda::Cuda { float, storage }),
+        GpuLanguage::Cuda => Box::new(cuda::Cuda { float, storage, rows: None }),
         GpuLanguage::Wgsl => Box::new(wgsl::Wgsl { storage, prefix: prefix.into() }),
     }
 }
@@ -264,6 +264,35 @@ fn print(robot: &PlannedRobot<'_>, language: GpuLanguage) -> String {
         text += &function::print(&*dialect, kernel, &mut used);
     }
     head(&*dialect, model, &prefix) + &dialect.preamble(&used) + &text
+}
+
+/// The name of the kernel in the text of a function of arrays.
+const ROWS_KERNEL: &str = "modyn_rows";
+
+/// Returns the CUDA text of a function of arrays, planned for threads: a kernel `modyn_rows` on
+/// arrays with a row of numbers for each state. Its parameters are the arguments, the results, the
+/// numbers `every` and `rows` of each argument, and the number of states. Argument `k` of state `i`
+/// is row `i / every % rows` of its array. `lengths` are the numbers of a row of each argument and
+/// of each result.
+pub(super) fn print_rows(planned: &Planned, lengths: [&[usize]; 2], float: FloatType) -> String {
+    let [arguments, results] = lengths;
+    let (program, _) = planned.kernels.straight().expect("a function of arrays has one program");
+    let argument = |(k, &len)| GpuArgument { name: format!("in{k}"), len, common: false };
+    let description = GpuKernel {
+        name: ROWS_KERNEL.into(),
+        function: planned.name,
+        link: None,
+        arguments: arguments.iter().enumerate().map(argument).collect(),
+        result: results.iter().sum(),
+        statements: program.statements.len(),
+    };
+    let kernel =
+        Kernel { description, docs: String::new(), program, placement_numbers: Vec::new() };
+    let dialect = cuda::Cuda { float, storage: Storage::Own, rows: Some(results.to_vec()) };
+    let mut used = BTreeSet::new();
+    let text = function::print(&dialect, &kernel, &mut used);
+    let title = format!("// `{}` on rows of numbers, compiled by modyn.\n", planned.name);
+    title + &dialect.preamble(&used) + &text
 }
 
 /// The largest number of columns of a list of names.
