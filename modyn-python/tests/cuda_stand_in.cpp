@@ -119,7 +119,7 @@ int nvrtcCompileProgram(Program *program, int count, const char **options)
     if (count == 0 || std::strcmp(options[0], "--gpu-architecture=sm_90") != 0) return 5;
     const std::string at = folder(), text = at + "/kernel.cpp", library = at + "/kernel.so", log = at + "/log";
     std::ofstream(text) << "#include <cstddef>\n#include \"cuda_shim.h\"\n" << program->text << LAUNCH;
-    const int failed = std::system((COMPILER " -std=c++17 -O1 -w -shared -fPIC -o " + library + " " + text + " 2> " + log).c_str());
+    const int failed = std::system((COMPILER " -std=c++17 -O0 -w -shared -fPIC -o " + library + " " + text + " 2> " + log).c_str());
     program->log = bytes_of(log);
     const std::string code = bytes_of(library);
     const size_t length = code.size();

@@ -56,6 +56,26 @@ def torch(stand_in, monkeypatch):
     return torch
 
 
+@pytest.fixture
+def jax(stand_in, monkeypatch):
+    """JAX, whose arrays on the CPU are on the stand-in's device. Robots of these tests have no programs in other tests."""
+    jax = pytest.importorskip("jax", reason="JAX is not installed: pip install modyn[jax]")
+    import modyn.jax as functions
+    from jax.interpreters import mlir
+
+    jax.config.update("jax_enable_x64", True)
+    handler = ctypes.CFUNCTYPE(ctypes.c_void_p, ctypes.c_void_p)(modyn._modyn.xla_cuda_handler(on_host=True))
+    jax.ffi.register_ffi_target("modyn_cuda", jax.ffi.pycapsule(handler), platform="cpu")
+    monkeypatch.setattr(functions, "_devices", lambda: [0])
+    scanned = [(functions._rollout, functions._scanned), (functions._rollout_gradient, functions._gradient_by_scan)]
+    mlir.register_lowering(functions._call, functions._lowered_on_cuda, platform="cpu")
+    for primitive, function in scanned:
+        mlir.register_lowering(primitive, mlir.lower_fun(function, multiple_results=True), platform="cpu")
+    yield jax
+    for primitive in (functions._call, functions._rollout, functions._rollout_gradient):
+        mlir.register_lowering(primitive, functions._lowered, platform="cpu")
+
+
 def number(library, name, kind=ctypes.c_long):
     return kind.in_dll(library, name).value
 
@@ -64,52 +84,80 @@ def robot(base="floating", **options):
     return modyn.loads(chain(3, joints=4), base=base, **options)
 
 
-def test_values_streams_and_broadcasts(torch, stand_in):
-    own = robot(scalar="f32")
+class Tensor:
+    """What a call needs of PyTorch's tensors."""
+
+    def __init__(self, array):
+        self.array, self.shape = array, array.shape
+
+    def data_ptr(self):
+        return self.array.ctypes.data
+
+    def expand(self, *shape):
+        return Tensor(np.broadcast_to(self.array, shape))
+
+    def contiguous(self):
+        return Tensor(np.ascontiguousarray(self.array))
+
+
+def called(code, *arrays):
+    """Returns the results of a call on CUDA."""
+    tensors = [Tensor(np.ascontiguousarray(array, code.dtype)) for array in arrays]
+    results = _cuda.call(code, 0, STREAM, tensors, lambda shape: Tensor(np.full(shape, np.nan, code.dtype)))
+    return [result.array for result in results]
+
+
+def test_values_streams_and_broadcasts(stand_in):
     exact = robot()
     q, qd, _, tau = states(exact, 300)
-    given = [torch.from_numpy(x.astype(np.float32)) for x in (q, qd, tau)]
-    function = modyn.torch.function(own, "forward_dynamics")
+    code = ArrayFunction(robot(scalar="f32"), "forward_dynamics")
+    function = lambda *arrays: called(code, *arrays)[0]
     before = number(stand_in, "launches")
-    found = function(*given)
+    found = function(q, qd, tau)
     assert number(stand_in, "launches") == before + 1
     assert number(stand_in, "last_stream", ctypes.c_void_p) == STREAM and number(stand_in, "last_context", ctypes.c_int) == 1
     expected = exact.forward_dynamics(q, qd, tau)
     close(found, expected, 1e-3)
-    assert found.dtype == torch.float32
+    assert found.dtype == np.float32
     # One state, no state, and axes that are broadcast: along the last ones, the first ones, and those between.
-    close(function(*(x[0] for x in given)), expected[0], 1e-3)
-    assert function(*(x[:0] for x in given)).shape == (0, own.nv)
-    few = [x[:6].reshape(2, 3, -1) for x in given]
-    crossed = function(few[0][:, None, :1].contiguous(), given[1][7:12, None], few[2][:1, :1])
-    assert crossed.shape == (2, 5, 1, own.nv)
+    close(function(q[0], qd[0], tau[0]), expected[0], 1e-3)
+    assert function(q[:0], qd[:0], tau[:0]).shape == (0, exact.nv)
+    few = q[:6].reshape(2, 3, -1)
+    crossed = function(few[:, None, :1], qd[7:12, None], tau[:1, None, None])
+    assert crossed.shape == (2, 5, 1, exact.nv)
     for i, j in np.ndindex(2, 5):
         close(crossed[i, j, 0], exact.forward_dynamics(q[3 * i], qd[7 + j], tau[0]), 1e-3)
-    between = function(few[0][:, None].contiguous(), given[1][7:12, None], given[2][0])
+    between = function(few[:, None], qd[7:12, None], tau[0])
     for i, j, k in np.ndindex(2, 5, 3):
         close(between[i, j, k], exact.forward_dynamics(q[3 * i + k], qd[7 + j], tau[0]), 1e-3)
+    with pytest.raises(ValueError, match=r"has the shape \(3, 4\); expected \(11,\)"):
+        function(q[:3, :4], qd[:3], tau[:3])
+    with pytest.raises(ValueError, match="axes of 3 and of 2 states do not fit"):
+        function(q[:3], qd[:2], tau[:2])
 
 
-def test_cached(torch, stand_in):
+def test_cached(stand_in):
     own = robot("fixed")
     q, qd, _, _ = states(own, 2)
-    energy = lambda: modyn.torch.function(own, "kinetic_energy")(torch.from_numpy(q), torch.from_numpy(qd))
+    code = ArrayFunction(own, "kinetic_energy")
     before = [number(stand_in, name) for name in ("compilations", "libraries")]
     counts = lambda: [number(stand_in, name) - old for name, old in zip(("compilations", "libraries"), before)]
-    close(energy(), own.kinetic_energy(q, qd), 1e-9)
-    close(energy(), own.kinetic_energy(q, qd), 1e-9)
+    for _ in range(2):
+        close(called(code, q, qd)[0], own.kinetic_energy(q, qd), 1e-9)
     assert counts() == [1, 1]
-    # Another process: the machine code is that of the disk.
+    # Another process: the machine code is on the disk.
     reset()
-    close(energy(), own.kinetic_energy(q, qd), 1e-9)
+    close(called(code, q, qd)[0], own.kinetic_energy(q, qd), 1e-9)
     assert counts() == [1, 2]
 
 
-def test_gradients(torch):
+def test_gradients_in_torch(torch, stand_in):
     own = robot()
     q, qd, _, tau = (torch.from_numpy(x).requires_grad_() for x in states(own, 3))
     function = modyn.torch.function(own, "forward_dynamics")
+    before = number(stand_in, "launches")
     function(q, qd, tau).sum().backward()
+    assert number(stand_in, "launches") == before + 2 and number(stand_in, "last_stream", ctypes.c_void_p) == STREAM
     expected = own.forward_dynamics_vjp(q.detach().numpy(), qd.detach().numpy(), tau.detach().numpy(), np.ones((3, own.nv)))
     close(qd.grad, expected.grad_qd, 1e-9)
     close(tau.grad, expected.grad_tau, 1e-9)
@@ -168,3 +216,78 @@ def test_faults_of_the_libraries(stand_in, monkeypatch):
     _cuda.nvrtc.cache_clear()
     with pytest.raises(RuntimeError, match="NVRTC of CUDA 13 or earlier.*pip install nvidia-cuda-nvrtc"):
         _cuda.nvrtc()
+
+
+def test_jax(jax, stand_in):
+    """Values, axes that are broadcast, transformations, and a rollout with its gradient."""
+    own = modyn.loads(chain(11, joints=3), base="floating")
+    q, qd, _, tau = states(own, 6)
+    function = modyn.jax.function(own, "forward_dynamics")
+    before = number(stand_in, "launches")
+    close(function(q, qd, tau), own.forward_dynamics(q, qd, tau), 1e-9)
+    assert number(stand_in, "launches") == before + 1
+    between = function(q.reshape(2, 1, 3, -1), qd[:5, None], tau[0])
+    for i, j, k in np.ndindex(2, 5, 3):
+        close(between[i, j, k], own.forward_dynamics(q[3 * i + k], qd[j], tau[0]), 1e-9)
+    by_tau = jax.jit(jax.vmap(jax.jacrev(function, 2)))(q, qd, tau)
+    close(by_tau, own.forward_dynamics_derivatives(q, qd, tau).dqdd_dtau, 1e-9)
+    assert function(q[:0], qd[:0], tau[:0]).shape == (0, own.nv)
+    controls = np.repeat(tau[:, None], 4, 1)
+    motion = modyn.jax.rollout(own)
+    close(motion(q, qd, controls, 0.01).q, own.rollout(q, qd, controls, 0.01).q, 1e-12)
+    gradient = jax.jit(jax.grad(lambda controls: motion(q, qd, controls, 0.01).qd.sum()))(controls)
+    ones = np.ones((6, 4, own.nv))
+    close(gradient, own.rollout_vjp(q, qd, controls, 0.01, np.zeros((6, 4, own.nq)), ones).controls, 1e-9)
+
+
+def scene():
+    """A robot whose foot is in the ground, its state, and settings."""
+    own = modyn.loads(chain(12, joints=2), base="floating", contacts={"foot": ("point", "link1", (0.1, -0.2, 0.05))})
+    q, qd, _, tau = (x[0] for x in states(own, 1))
+    pose = own.link_pose(q, "link1")
+    q[2] -= (pose.translation + pose.rotation @ np.array([0.1, -0.2, 0.05]))[2]
+    return own, q, qd, tau, modyn.StepSettings([modyn.ContactSurface(radius=0.02, friction=0.7)], tolerance=1e-13)
+
+
+def test_steps_on_the_ground_in_jax(jax):
+    own, q, qd, tau, settings = scene()
+    step = modyn.jax.function(own, "step")
+    found = step(q, qd, tau, 0.003, settings=settings)
+    expected = own.step(q, qd, tau, 0.003, settings=settings)
+    assert (expected[3][:, 2] > 0).any()
+    for a, b in zip(found, expected):
+        close(a, b, 1e-9)
+    end = lambda tau: step(q, qd, tau, 0.003, settings=settings).qd.sum()
+    close(jax.grad(end)(tau), own.step_derivatives(q, qd, tau, 0.003, settings=settings).b[own.nv :].sum(0), 1e-6)
+
+
+def test_rollouts_in_torch(torch, monkeypatch):
+    """Values and gradients are those of the CPU: of a feedback with a cost, and on the ground."""
+    own = robot()
+    q, qd, _, tau = (torch.from_numpy(x) for x in states(own, 2))
+    rng = np.random.default_rng(1)
+    random = lambda *shape: torch.from_numpy(rng.normal(size=shape))
+    nv = own.nv
+    cost = modyn.QuadraticCost(q[1], random(2 * nv), random(nv), random(nv), random(2 * nv))
+    given = [q, qd[0], tau[:, None].repeat(1, 3, 1), torch.tensor(0.01, dtype=torch.float64), random(nv, 2 * nv)]
+    on_ground, *state, settings = scene()
+    lying = [*(torch.from_numpy(x) for x in state[:2]), torch.from_numpy(state[2]).repeat(2, 3, 1), torch.tensor(0.003, dtype=torch.float64)]
+
+    def gradients(trajectory):
+        motion = modyn.torch.rollout(own, trajectory=trajectory)
+        fall = modyn.torch.rollout(on_ground, step="step", trajectory=trajectory)
+        x = [a.clone().requires_grad_() for a in given]
+        y = [a.clone().requires_grad_() for a in lying]
+        found = motion(*x[:4], gains=x[4], q_ref=q[:, None], qd_ref=qd[:, None], cost=cost)
+        ground = fall(*y, settings=settings)
+        total = sum((a**2).sum() for a in (*found, *ground[:4]))
+        return [*found, *ground, *torch.autograd.grad(total, [*x, *y])]
+
+    for trajectory in (True, False):
+        found = gradients(trajectory)
+        with monkeypatch.context() as on_cpu:
+            on_cpu.setattr(modyn.torch, "_is_cuda", lambda device: False)
+            expected = gradients(trajectory)
+        assert all(a.shape == b.shape for a, b in zip(found, expected))
+        for a, b in zip(found, expected):
+            close(a.detach(), b.detach(), 1e-7)

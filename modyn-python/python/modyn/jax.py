@@ -1,4 +1,4 @@
-"""Functions of a robot as functions of JAX, on the CPU.
+"""Functions of a robot as functions of JAX, on the CPU and on CUDA.
 
     import jax, modyn, modyn.jax
 
@@ -9,7 +9,7 @@
     gradient = jax.grad(lambda tau: (forward_dynamics(q, qd, tau) ** 2).sum())(tau)
 
 All transformations of JAX apply: `jit`, `vmap`, `grad`, `jvp`, `vjp`, `jacfwd`, `jacrev`, `hessian`, `lax.scan`, `checkpoint`, to any
-order. XLA calls machine code, whose derivatives modyn compiles at their first use.
+order. XLA calls machine code, whose derivatives modyn compiles at their first use; on CUDA, kernels on its own stream.
 
 A function scales quaternions to length 1, and derivatives with respect to `q` are those of this function by the entries of `q`, as
 JAX defines them. `to_tangent` turns a gradient into one by displacements.
@@ -32,7 +32,7 @@ import numpy as np
 from jax.extend.core import Primitive
 from jax.interpreters import ad, batching, mlir
 
-from . import _modyn
+from . import _cuda, _modyn
 from ._arrays import ArrayFunction, Rollout, RolloutGradient, RolloutSignature, Signature, documented, motions, unchanging
 from ._modyn import Robot
 from ._results import ActuatedStep, StepSolution
@@ -171,8 +171,11 @@ def _concatenate(arrays: list[Any]) -> Any:
 # XLA's handler. The attribute `function` is the key of the code.
 _HANDLER = ctypes.CFUNCTYPE(ctypes.c_void_p, ctypes.c_void_p)(_modyn.xla_handler())
 jax.ffi.register_ffi_target("modyn", jax.ffi.pycapsule(_HANDLER), platform="cpu")
+_CUDA_HANDLER = ctypes.CFUNCTYPE(ctypes.c_void_p, ctypes.c_void_p)(_modyn.xla_cuda_handler())
+jax.ffi.register_ffi_target("modyn_cuda", jax.ffi.pycapsule(_CUDA_HANDLER), platform="CUDA")
 if hasattr(jax.ffi, "register_ffi_target_as_batch_partitionable"):
     jax.ffi.register_ffi_target_as_batch_partitionable("modyn")
+    jax.ffi.register_ffi_target_as_batch_partitionable("modyn_cuda")
 
 # The code that programs call, by its keys. XLA runs programs later than Python calls them, and says of none that it has ended.
 _kept: dict[int, Any] = {}
@@ -209,6 +212,24 @@ def _eager(primitive: Primitive) -> Callable[..., Any]:
 def _lowered(context: Any, *operands: Any, code: Any) -> Any:
     _kept[code.key] = code.handle
     return jax.ffi.ffi_lowering("modyn")(context, *operands, function=np.int64(code.key))
+
+
+def _devices() -> list[int]:
+    """Returns the devices of CUDA, by their indices. Tests replace it."""
+    return [device.local_hardware_id for device in jax.local_devices(backend="cuda")]
+
+
+def _on_cuda(*arrays: Any, code: Any) -> list[Any]:
+    """Returns a call as a kernel that XLA starts on its stream."""
+    devices = _devices()
+    architectures = sorted({_cuda.driver().device(device)[0] for device in devices})
+    if len(architectures) > 1:
+        raise RuntimeError(f"`{code.name}`: XLA's devices have several architectures, {', '.join(architectures)}: show it one of them")
+    lead, repeated = _cuda.kernel(code, devices[0]).states([array.shape for array in arrays])
+    whole = lambda k, array: jnp.broadcast_to(array, (*lead, *code.inputs[k])) if k in repeated else array
+    results = [jax.ShapeDtypeStruct((*lead, *shape), arrays[0].dtype) for shape in code.outputs]
+    given = [whole(k, array) for k, array in enumerate(arrays)]
+    return list(jax.ffi.ffi_call("modyn_cuda", results)(*given, function=np.int64(code.key)))
 
 
 def _jvp(primals: Any, tangents: Any, *, code: ArrayFunction) -> Any:
@@ -301,6 +322,8 @@ def _size(shape: tuple[int, ...]) -> int:
 _call.def_impl(_eager(_call))
 _call.def_abstract_eval(_abstract)
 mlir.register_lowering(_call, _lowered, platform="cpu")
+_lowered_on_cuda = mlir.lower_fun(_on_cuda, multiple_results=True)
+mlir.register_lowering(_call, _lowered_on_cuda, platform="cuda")
 ad.primitive_jvps[_call] = _jvp
 ad.primitive_transposes[_call] = _transpose
 batching.primitive_batchers[_call] = _batched
@@ -313,7 +336,7 @@ _rollout_changes = Primitive("modyn_rollout_changes")
 _rollout_gradient = Primitive("modyn_rollout_gradient")
 
 
-def _scanned(code: Rollout, arrays: Any) -> list[Any]:
+def _scanned(*arrays: Any, code: Rollout) -> list[Any]:
     """Returns the states of a rollout, by calls of the step in a `scan`."""
     lead = _lead(arrays, code.inputs)
     state = [jnp.broadcast_to(arrays[k], (*lead, *code.inputs[k])) for k in code.state]
@@ -349,13 +372,13 @@ def _by_scan(*arrays: Any, code: Rollout, variables: tuple[int, ...]) -> list[An
         given = list(own)
         for k, array in zip(variables, varying):
             given[k] = array
-        return _scanned(code, given)
+        return _scanned(*given, code=code)
 
     changes = tuple(whole(x, k) for x, k in zip(changes, variables))
     return jax.jvp(states, tuple(whole(own[k], k) for k in variables), changes)[1]
 
 
-def _gradient_by_scan(code: RolloutGradient, arrays: Any) -> list[Any]:
+def _gradient_by_scan(*arrays: Any, code: RolloutGradient) -> list[Any]:
     """Returns the gradients of the weighted states of a rollout."""
     lead = _lead(arrays, code.inputs)
     whole = [jnp.broadcast_to(x, (*lead, *own)) for x, own in zip(arrays, code.inputs)]
@@ -365,7 +388,7 @@ def _gradient_by_scan(code: RolloutGradient, arrays: Any) -> list[Any]:
         given = list(own)
         for k, array in zip(code.variables, varying):
             given[k] = array
-        return _scanned(code.rollout, given)
+        return _scanned(*given, code=code.rollout)
 
     return list(jax.vjp(states, *(own[k] for k in code.variables))[1](weights))
 
@@ -406,7 +429,7 @@ def _changes_batched(arrays: Any, dims: Any, *, code: Rollout, variables: tuple[
 
 def _gradient_jvp(primals: Any, tangents: Any, *, code: RolloutGradient) -> Any:
     values = _rollout_gradient.bind(*primals, code=code)
-    call = lambda *arrays: _gradient_by_scan(code, arrays)
+    call = lambda *arrays: _gradient_by_scan(*arrays, code=code)
     return values, jax.jvp(call, primals, tuple(map(ad.instantiate_zeros, tangents)))[1]
 
 
@@ -424,6 +447,9 @@ for _primitive in (_rollout, _rollout_gradient):
     _primitive.def_abstract_eval(_abstract)
     mlir.register_lowering(_primitive, _lowered, platform="cpu")
     batching.primitive_batchers[_primitive] = _batched_call(_primitive)
+# On CUDA each step is a kernel.
+mlir.register_lowering(_rollout, mlir.lower_fun(_scanned, multiple_results=True), platform="cuda")
+mlir.register_lowering(_rollout_gradient, mlir.lower_fun(_gradient_by_scan, multiple_results=True), platform="cuda")
 _rollout_changes.def_abstract_eval(_changes_abstract)
 mlir.register_lowering(_rollout_changes, mlir.lower_fun(_by_scan, multiple_results=True))
 batching.primitive_batchers[_rollout_changes] = _changes_batched

@@ -14,6 +14,7 @@ derivatives with respect to `q` are those of this function by the entries of `q`
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -24,7 +25,16 @@ except ImportError as error:
 import numpy as np
 
 from . import _cuda
-from ._arrays import ArrayFunction, Rollout, RolloutSignature, Signature, documented, motions, unchanging
+from ._arrays import (
+    ArrayFunction,
+    Rollout,
+    RolloutGradient,
+    RolloutSignature,
+    Signature,
+    documented,
+    motions,
+    unchanging,
+)
 from ._modyn import Robot
 from ._results import ActuatedStep, StepSolution
 from ._types import HeightField, QuadraticCost, RolloutCosts, RolloutStates, StepSettings
@@ -63,7 +73,8 @@ def rollout(
 ) -> Callable[..., RolloutStates | RolloutCosts | StepSolution | ActuatedStep]:
     """Returns the function `Robot.rollout` of a robot as a function of PyTorch's tensors.
 
-    It is one call from the first step to the last, and so is its gradient, which stores few states. Its arguments are `q`, `qd`,
+    It is one call from the first step to the last, and so is its gradient, which stores few states. (On CUDA each step is a kernel, and
+    the gradient stores all states.) Its arguments are `q`, `qd`,
     `controls`, `dt`, and by keyword `gains`, `q_ref`, `qd_ref`, `cost` and `parameters`. It has first derivatives in reverse mode.
     With `step="step"`, `settings` and `warm_start` are arguments, and `ground` is a `HeightField`. With `step="actuated"` the controls
     are those of the actuators, `act` and `applied` are further arguments, and there is no feedback.
@@ -71,9 +82,20 @@ def rollout(
     signature = RolloutSignature(robot, step, unchanging(ground))
     dtype = _dtype(robot)
 
+    kept: dict[Any, torch.Tensor] = {}
+
     @torch.compiler.assume_constant_result
     def numbered(own: Any) -> int:
         return _numbered(signature.code(trajectory, *own))
+
+    def constant(x: np.ndarray[Any, Any], device: torch.device) -> torch.Tensor:
+        """Returns an array on the device of a call; copied to CUDA once."""
+        if not _is_cuda(device):
+            return _tensor(x, dtype, "settings", "rollout")
+        at = (device, x.tobytes())
+        if at not in kept:
+            kept[at] = torch.from_numpy(x).to(device)
+        return kept[at]
 
     def call(
         q: Any,
@@ -93,15 +115,17 @@ def rollout(
     ) -> Any:
         """Returns the states after each step, (..., steps, n), or after the last one."""
         arguments = {"q": q, "qd": qd, "controls": controls, "dt": dt, "gains": gains, "q_ref": q_ref, "qd_ref": qd_ref}
+        device = _device((*arguments.values(), settings, warm_start, act, applied))
         if isinstance(settings, StepSettings):
-            settings = np.asarray(settings, robot.dtype)
+            settings = constant(np.asarray(settings, robot.dtype), device)
         arguments |= {"settings": settings, "warm_start": warm_start, "act": act, "applied": applied}
-        given = {name: None if x is None else _tensor(x, dtype, name, "rollout") for name, x in arguments.items()}
-        signature.start(given, lambda x: _tensor(x, dtype, "settings", "rollout"))
+        given = {name: None if x is None else _tensor(x, dtype, name, "rollout", device) for name, x in arguments.items()}
+        signature.start(given, lambda x: constant(x, device))
         if cost is not None:
-            signature.add_cost(given, cost, lambda name, x: _tensor(x, dtype, name, "rollout"), torch)
+            with device if _is_cuda(device) else contextlib.nullcontext():
+                signature.add_cost(given, cost, lambda name, x: _tensor(x, dtype, name, "rollout", device), torch)
         if signature.parameters.parameters:
-            asarray = lambda x: _tensor(x, dtype, "parameters", "rollout")
+            asarray = lambda x: constant(x, device) if isinstance(x, np.ndarray) else _tensor(x, dtype, "parameters", "rollout", device)
             given["parameters"] = signature.parameters.flat(parameters, asarray, _concatenate)
         elif parameters is not None:
             raise TypeError("`rollout`: the robot has no run-time parameters")
@@ -131,7 +155,8 @@ def to_tangent(robot: Robot, q: Any, gradient: Any) -> Any:
     Displacements are those of `Robot.integrate`; the quaternions of `q` have length 1.
     """
     rates = ArrayFunction(robot, "velocity_to_qdot").derivative("reverse", [1])
-    q, gradient = (_tensor(x, _dtype(robot), name, "to_tangent") for x, name in ((q, "q"), (gradient, "gradient")))
+    device = _device((q, gradient))
+    q, gradient = (_tensor(x, _dtype(robot), name, "to_tangent", device) for x, name in ((q, "q"), (gradient, "gradient")))
     zero = q.new_zeros((*q.shape[:-1], robot.nv))
     return _called(_numbered(rates), [q, zero, gradient])[0]
 
@@ -237,10 +262,93 @@ def _called(number: int, tensors: Sequence[torch.Tensor]) -> Sequence[torch.Tens
 def _computed(code: Any, tensors: Sequence[torch.Tensor]) -> list[torch.Tensor]:
     device = tensors[0].device
     if _is_cuda(device):
+        if isinstance(code, Rollout):
+            return _rolled_out(code, _by_step(code, tensors), tensors)
+        if isinstance(code, RolloutGradient):
+            return _rollout_gradient(code, tensors)
         arrays = [tensor.contiguous() for tensor in tensors]
         return _cuda.call(code, device.index or 0, _stream(device), arrays, tensors[0].new_empty)
     arrays = [tensor.detach().contiguous().numpy() for tensor in tensors]
     return [torch.from_numpy(array) for array in code.handle.call(arrays)]
+
+
+def _lead(tensors: Sequence[torch.Tensor], shapes: Any) -> torch.Size:
+    """Returns the axes of states that tensors have in common."""
+    return torch.broadcast_shapes(*(tensor.shape[: tensor.dim() - len(own)] for tensor, own in zip(tensors, shapes)))
+
+
+# Rollouts on CUDA: a kernel for each step.
+
+
+def _by_step(code: Rollout, tensors: Sequence[torch.Tensor]) -> list[tuple[list[torch.Tensor], list[torch.Tensor]]]:
+    """Returns the arguments and the results of each step."""
+    given, steps = list(tensors), []
+    sequences = {k: tensors[k].movedim(tensors[k].dim() - len(code.inputs[k]), 0).contiguous() for k in code.sequences}
+    for i in range(code.steps):
+        for k, sequence in sequences.items():
+            given[k] = sequence[i]
+        results = _computed(code.step, given)
+        steps.append((list(given), results))
+        for k, result in zip(code.state, results):
+            given[k] = result
+    return steps
+
+
+def _rolled_out(code: Rollout, steps: Any, tensors: Sequence[torch.Tensor]) -> list[torch.Tensor]:
+    """Returns the results of a rollout: of all steps, or of the last one."""
+    lead = _lead(tensors, code.inputs)
+    if not steps:
+        empty = [tensors[0].new_zeros((*lead, *shape)) for shape in code.outputs]
+        first = [] if code.trajectory else [tensors[k].expand_as(x).contiguous() for k, x in zip(code.state, empty)]
+        return [*first, *empty[len(first) :]]
+    # A step whose arguments have fewer axes of states than others has fewer results.
+    whole = [[x.expand(*lead, *own) for x, own in zip(results, code.step.outputs)] for _, results in steps]
+    if code.trajectory:
+        return [torch.stack(of_steps, len(lead)) for of_steps in zip(*whole)]
+    # The largest residual and number of iterations of all steps.
+    states, most = len(code.state), lambda of_steps: torch.stack(of_steps).amax(0)
+    of_result = list(zip(*whole))
+    others = [most(x) if own == () else x[-1] for x, own in zip(of_result[states:], code.outputs[states:])]
+    return [x.contiguous() for x in (*(x[-1] for x in of_result[:states]), *others)]
+
+
+def _rollout_gradient(code: RolloutGradient, tensors: Sequence[torch.Tensor]) -> list[torch.Tensor]:
+    """Returns the gradients of the weighted results of a rollout."""
+    rollout, count = code.rollout, len(code.rollout.inputs)
+    given, weights, lead = tensors[:count], tensors[count:], _lead(tensors, code.inputs)
+    state = [k for k in rollout.state if k != rollout.step.start]
+    step = rollout.step.derivative("reverse", sorted({*state, *code.variables}))
+    results = rollout.step.outputs
+    # The gradients with respect to the state after a step, and of each step with respect to other arguments.
+    by_state = {k: weights[rollout.state.index(k)] for k in state} if not rollout.trajectory else {}
+    by_step: dict[int, list[torch.Tensor]] = {k: [] for k in code.variables if k not in state}
+    for i, (arguments, found) in reversed(list(enumerate(_by_step(rollout, given)))):
+        own: list[torch.Tensor] = []
+        for r, shape in enumerate(results):
+            k = rollout.state[r] if r < len(rollout.state) else None
+            weight = tensors[0].new_zeros(shape)
+            if rollout.trajectory:
+                weight = weights[r].select(weights[r].dim() - len(shape) - 1, i)
+            elif i == rollout.steps - 1 and k not in by_state and shape != ():
+                weight = weights[r]
+            own.append(weight + by_state[k] if k in by_state else weight)
+        gradients = _computed(step, [*rollout.step.at_solution(arguments, found), *own])
+        by = dict(zip(step.variables, gradients))
+        by_state = {k: by[k] for k in state}
+        for k, of_steps in by_step.items():
+            of_steps.append(by[k])
+    gradients = []
+    for k, shape in zip(code.variables, code.outputs):
+        zero = tensors[0].new_zeros((*lead, *shape))
+        of_steps = by_step.get(k, [])[::-1]
+        if k in by_state:
+            zero = zero + by_state[k]
+        elif of_steps and k in rollout.sequences:
+            zero = torch.stack([x.expand(*lead, *shape[1:]) for x in of_steps], len(lead))
+        elif of_steps:
+            zero = zero + sum(of_steps)
+        gradients.append(zero)
+    return gradients
 
 
 def _sum_to(gradient: torch.Tensor, tensor: torch.Tensor) -> torch.Tensor:
