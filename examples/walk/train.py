@@ -41,11 +41,17 @@ class Policy(NamedTuple):
 
 
 class Learner(NamedTuple):
-    """What an iteration changes."""
+    """What learning changes."""
 
     policy: Policy
     optimizer: optax.OptState
     rate: jax.Array
+    key: jax.Array
+
+
+class Episodes(NamedTuple):
+    """What acting changes: the states of worlds, and what the policy has seen of them."""
+
     worlds: Worlds
     state: State
     seen: Observation
@@ -69,8 +75,6 @@ class Progress(NamedTuple):
     returns: jax.Array
     falls: jax.Array
     rewards: dict
-    std: jax.Array
-    rate: jax.Array
 
 
 def network(key, sizes, scale):
@@ -92,33 +96,38 @@ def log_probability(mean, log_std, action):
     return -(0.5 * ((action - mean) / jnp.exp(log_std)) ** 2 + log_std + 0.5 * np.log(2 * np.pi)).sum(-1)
 
 
-def start(environment, key, worlds):
+def start(key):
     """Returns a learner that knows nothing."""
-    keys = jax.random.split(key, 5)
-    actor, critic = network(keys[0], (ACTOR, *HIDDEN, ACTIONS), 0.01), network(keys[1], (CRITIC, *HIDDEN, 1), 1.0)
+    actor_key, critic_key, key = jax.random.split(key, 3)
+    actor, critic = network(actor_key, (ACTOR, *HIDDEN, ACTIONS), 0.01), network(critic_key, (CRITIC, *HIDDEN, 1), 1.0)
     policy = Policy(actor, jnp.full(ACTIONS, -0.7), critic)
-    state = environment.reset(keys[2], worlds)
-    # Episodes end at different times.
-    state = state._replace(time=jax.random.randint(keys[3], state.time.shape, 0, EPISODE))
-    return Learner(policy, OPTIMIZER.init(policy), jnp.float32(1e-3), worlds, state, environment.observe(worlds, state), keys[4])
+    return Learner(policy, OPTIMIZER.init(policy), jnp.float32(1e-3), key)
 
 
-def collect(environment, learner):
-    """Lets the policy act for HORIZON steps; returns the learner, samples and the progress."""
-    policy = learner.policy
+def begin(environment, key, worlds):
+    """Returns first episodes, which end at different times."""
+    state_key, time_key, key = jax.random.split(key, 3)
+    state = environment.reset(state_key, worlds)
+    state = state._replace(time=jax.random.randint(time_key, state.time.shape, 0, EPISODE))
+    return Episodes(worlds, state, environment.observe(worlds, state), key)
+
+
+def collect(environment, policy, episodes):
+    """Lets the policy act for HORIZON steps; returns the episodes, samples and the progress."""
+    worlds = episodes.worlds
 
     def act(carry, key):
         state, seen = carry
         keys = jax.random.split(key, 3)
         mean = output(policy.actor, seen.actor)
         action = mean + jnp.exp(policy.log_std) * jax.random.normal(keys[0], mean.shape)
-        after = environment.step(learner.worlds, state, action, keys[1])
-        final = environment.observe(learner.worlds, after.final).critic
+        after = environment.step(worlds, state, action, keys[1])
+        final = environment.observe(worlds, after.final).critic
         kept = seen, action, mean, final, after._replace(state=None, final=None)
-        return (after.state, environment.observe(learner.worlds, after.state, keys[2])), kept
+        return (after.state, environment.observe(worlds, after.state, keys[2])), kept
 
-    key, own = jax.random.split(learner.key)
-    (state, seen), kept = jax.lax.scan(act, (learner.state, learner.seen), jax.random.split(own, HORIZON))
+    key, own = jax.random.split(episodes.key)
+    (state, seen), kept = jax.lax.scan(act, (episodes.state, episodes.seen), jax.random.split(own, HORIZON))
     before, action, mean, final, after = kept
     value, value_after = (output(policy.critic, x)[..., 0] for x in (before.critic, final))
 
@@ -132,8 +141,8 @@ def collect(environment, learner):
     advantage = jax.lax.scan(backwards, jnp.zeros(value.shape[1]), steps, reverse=True)[1]
     sample = Sample(before, action, mean, log_probability(mean, policy.log_std, action), value, advantage)
     average = {name: reward.mean() for name, reward in after.rewards.items()}
-    progress = Progress(after.reward.mean() / CONTROL, after.fell.mean(), average, jnp.exp(policy.log_std).mean(), learner.rate)
-    return learner._replace(state=state, seen=seen, key=key), sample, progress
+    progress = Progress(after.reward.mean() / CONTROL, after.fell.mean(), average)
+    return Episodes(worlds, state, seen, key), sample, progress
 
 
 def loss(policy, sample, old_log_std, spread):
@@ -170,7 +179,7 @@ def learn(learner, sample):
     count = sample.value.shape[1]
     order = [jax.random.permutation(k, count).reshape(BATCHES, -1) for k in jax.random.split(own, PASSES)]
     (policy, optimizer, rate), _ = jax.lax.scan(update, (learner.policy, learner.optimizer, learner.rate), jnp.concatenate(order))
-    return learner._replace(policy=policy, optimizer=optimizer, rate=rate, key=key)
+    return Learner(policy, optimizer, rate, key)
 
 
 def save(path, policy):
@@ -185,14 +194,22 @@ def load(path):
     return [Layer(found[f"weights_{k}"].astype(float), found[f"bias_{k}"].astype(float)) for k in range(len(found) // 2)]
 
 
-def show(progress, seconds, steps):
+def show(progress, learner, seconds, steps):
     """Prints a line."""
     rewards = ", ".join(f"{name} {float(reward):.2f}" for name, reward in progress.rewards.items())
+    std = float(jnp.exp(learner.policy.log_std).mean())
     print(
         f"{seconds:5.0f} s, {steps / 1e6:5.2f} M steps, {steps / seconds:,.0f}/s: return {float(progress.returns):.2f}, "
-        f"falls {float(progress.falls):.4f}, std {float(progress.std):.2f}, rate {float(progress.rate):.0e}; {rewards}",
+        f"falls {float(progress.falls):.4f}, std {std:.2f}, rate {float(learner.rate):.0e}; {rewards}",
         flush=True,
     )
+
+
+def check(returns):
+    """Ends the program, with an error if the returns of a short training did not rise."""
+    first, last = np.mean(returns[:5]), np.mean(returns[-5:])
+    print(f"return of a second: {first:.2f} at first, {last:.2f} after {len(returns) - 1} iterations")
+    sys.exit(None if last > first + 0.3 else "the return did not rise by 0.3")
 
 
 def main():
@@ -206,28 +223,27 @@ def main():
     environment = Walk()
 
     @jax.jit
-    def iterate(learner):
-        learner, sample, progress = collect(environment, learner)
-        return learn(learner, sample), progress
+    def iterate(learner, episodes):
+        episodes, sample, progress = collect(environment, learner.policy, episodes)
+        return learn(learner, sample), episodes, progress
 
     began = time.perf_counter()
+    learner_key, episodes_key = jax.random.split(jax.random.key(given.seed))
     worlds = environment.worlds(given.seed, given.worlds)
-    learner = jax.jit(lambda key, worlds: start(environment, key, worlds))(jax.random.key(given.seed), worlds)
-    learner, progress = jax.block_until_ready(iterate(learner))
+    episodes = jax.jit(lambda key, worlds: begin(environment, key, worlds))(episodes_key, worlds)
+    learner, episodes, progress = jax.block_until_ready(iterate(start(learner_key), episodes))
     print(f"compiled in {time.perf_counter() - began:.1f} s", flush=True)
     began, returns = time.perf_counter(), [float(progress.returns)]
     iterations = CHECK if given.check else round(given.steps / (given.worlds * HORIZON))
     while len(returns) <= iterations:
-        learner, progress = iterate(learner)
+        learner, episodes, progress = iterate(learner, episodes)
         returns.append(float(progress.returns))
         if len(returns) % 20 == 0:
-            show(progress, time.perf_counter() - began, len(returns) * given.worlds * HORIZON)
+            show(progress, learner, time.perf_counter() - began, len(returns) * given.worlds * HORIZON)
             if not given.check:
                 save(given.out, learner.policy)
     if given.check:
-        first, last = np.mean(returns[:5]), np.mean(returns[-5:])
-        print(f"return of a second: {first:.2f} at first, {last:.2f} after {CHECK} iterations")
-        sys.exit(None if last > first + 0.3 else "the return did not rise by 0.3")
+        check(returns)
     save(given.out, learner.policy)
 
 

@@ -34,7 +34,8 @@ fn cargo(folder: &Path, arguments: &str) -> Output {
             command.env_remove(&*name);
         }
     }
-    let target = Path::new(env!("CARGO_TARGET_TMPDIR")).join("user-crates");
+    // trybuild's folder: one build of the compiler serves both.
+    let target = Path::new(env!("CARGO_TARGET_TMPDIR")).join("../tests/trybuild");
     let arguments = arguments.split_whitespace();
     command.current_dir(folder).args(arguments).arg("--target-dir").arg(target);
     command.args(["--jobs", "2"]).env("CARGO_TERM_COLOR", "never");
