@@ -31,6 +31,8 @@ TROT = np.array([0.0, 0.5, 0.5, 0.0])
 EPISODE, COMMAND, PUSH = 500, 200, 100
 #: The commands: the velocities forwards and to the left (m/s), and the turning rate (rad/s).
 COMMANDS = np.array([[-0.5, -0.3, -0.8], [1.0, 0.3, 0.8]])
+#: The commands of an evaluation.
+ASKED = [(0, 0, 0), (0.5, 0, 0), (0.7, 0, 0), (1.0, 0, 0), (-0.4, 0, 0), (0, 0.25, 0), (0, 0, 0.6), (0.5, 0, 0.6)]
 #: What each reward counts, per second.
 REWARDS = {
     "tracking_lin_vel": 3.0,

@@ -11,11 +11,9 @@ import numpy as np
 
 jax.config.update("jax_enable_x64", True)
 
-from environment import ACTION, CONTROL, FEET, FREQUENCY, ROBOT, STEPS, Walk  # noqa: E402
+from environment import ACTION, ASKED, CONTROL, FEET, FREQUENCY, ROBOT, STEPS, Walk  # noqa: E402
 from modyn.conventions import MuJoCo  # noqa: E402
 from train import load, output  # noqa: E402
-
-ASKED = [(0, 0, 0), (0.5, 0, 0), (0.7, 0, 0), (1.0, 0, 0), (-0.4, 0, 0), (0, 0.25, 0), (0, 0, 0.6), (0.5, 0, 0.6)]
 
 
 class Simulation:
