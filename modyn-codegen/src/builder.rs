@@ -444,11 +444,11 @@ impl Builder {
 
     /// Returns CUDA text for one function of arrays of plain numbers, or for a derivative of one:
     /// the kernel `modyn_rows`, whose arrays have a row of numbers for each state. Its parameters are
-    /// the arrays of arguments, the arrays of results, the numbers `every` and `rows` of each
-    /// argument (`unsigned int`), and the number of states. Argument `k` of state `i` is row
-    /// `i / every % rows` of its array. `lengths` are the numbers of a row of each argument and of
-    /// each result. A block has at most 128 threads. The options `functions` and `fused` have no
-    /// effect.
+    /// the arrays of arguments, the arrays of results, the numbers `every`, `rows` and `stride` of
+    /// each argument (`unsigned int`), and the number of states. The argument of state `i` is row
+    /// `i / every % rows` of its array, whose rows are `stride` numbers apart. `lengths` are the
+    /// numbers of a row of each argument and of each result. A block has at most 128 threads. The
+    /// options `functions` and `fused` have no effect.
     ///
     /// # Errors
     ///

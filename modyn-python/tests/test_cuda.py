@@ -93,6 +93,12 @@ class Tensor:
     def data_ptr(self):
         return self.array.ctypes.data
 
+    def is_contiguous(self):
+        return self.array.flags.c_contiguous
+
+    def stride(self):
+        return tuple(bytes // self.array.itemsize for bytes in self.array.strides)
+
     def expand(self, *shape):
         return Tensor(np.broadcast_to(self.array, shape))
 
@@ -102,7 +108,7 @@ class Tensor:
 
 def called(code, *arrays):
     """Returns the results of a call on CUDA."""
-    tensors = [Tensor(np.ascontiguousarray(array, code.dtype)) for array in arrays]
+    tensors = [Tensor(np.asarray(array, code.dtype)) for array in arrays]
     results = _cuda.call(code, 0, STREAM, tensors, lambda shape: Tensor(np.full(shape, np.nan, code.dtype)))
     return [result.array for result in results]
 
@@ -130,6 +136,12 @@ def test_values_streams_and_broadcasts(stand_in):
     between = function(few[:, None], qd[7:12, None], tau[0])
     for i, j, k in np.ndindex(2, 5, 3):
         close(between[i, j, k], exact.forward_dynamics(q[3 * i + k], qd[7 + j], tau[0]), 1e-3)
+    # Columns of a wide array, every second state, a repeated state: without copies. By columns: with a copy.
+    wide = np.concatenate([q, qd, tau], 1).astype(np.float32)
+    nq, nv = exact.nq, exact.nv
+    sliced = function(wide[:, :nq], wide[:, nq : nq + nv], np.broadcast_to(wide[5, nq + nv :], (300, nv)))
+    close(sliced, exact.forward_dynamics(q, qd, np.tile(tau[5], (300, 1))), 1e-3)
+    close(function(wide[::2, :nq], np.asfortranarray(qd[::2].astype(np.float32)), tau[::2]), expected[::2], 1e-3)
     with pytest.raises(ValueError, match=r"has the shape \(3, 4\); expected \(11,\)"):
         function(q[:3, :4], qd[:3], tau[:3])
     with pytest.raises(ValueError, match="axes of 3 and of 2 states do not fit"):
@@ -185,8 +197,10 @@ def test_refused_tensors(torch):
         function(q, qd.to("meta"), tau)
     with pytest.raises(TypeError, match="`tau` of `forward_dynamics` has numbers of torch.float32"):
         function(q, qd, tau.float())
-    with pytest.raises(ValueError, match="`q` of `forward_dynamics` is not contiguous"):
+    with pytest.raises(ValueError, match="the numbers of a state in `q` of `forward_dynamics` are not contiguous"):
         function(q.T.contiguous().T, qd, tau)
+    with pytest.raises(ValueError, match="`qd` of `forward_dynamics` are not contiguous, or the states have no common stride"):
+        function(q[:2].reshape(2, 1, -1), torch.ones(2, 3, own.nv, dtype=q.dtype)[:, :2], tau[0])
 
 
 @pytest.mark.parametrize(("name", "mode"), [("forward_dynamics", None), ("forward_dynamics", "reverse")])

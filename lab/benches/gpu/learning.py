@@ -6,7 +6,8 @@
 
 Needs PyTorch for CUDA, JAX for CUDA, or both, and the package `modyn`. A time is the median of 11 passes, in ns; a pass calls the function so
 often that it takes some 20 ms, and waits once. Rollouts have 10 steps of 2 ms with a feedback, on the ground where the robot has feet;
-their time is for a step. `--check` computes few states alone, and takes a minute, most of it NVRTC's. `--device cpu` tests this program.
+their time is for a step. `--check` computes few states only. NVRTC takes some minutes for all kernels the first time: `--robot Panda` is
+quick. `--device cpu` tests this program.
 """
 
 import argparse

@@ -10,6 +10,7 @@ import ctypes
 import functools
 import hashlib
 import importlib.util
+import math
 import os
 import tempfile
 from collections.abc import Callable
@@ -174,18 +175,38 @@ def kernel(code: Code, device: int) -> CudaKernel:
     return found
 
 
+def stride(array: Any, own: tuple[int, ...]) -> int | None:
+    """Returns how many numbers the rows of a tensor are apart, one row for each state; `None` if they are not equally far apart, or
+    not contiguous."""
+    size = math.prod(own)
+    if array.is_contiguous():
+        return size
+    axes = [axis for axis in zip(array.shape, array.stride()) if axis[0] != 1]
+    split = len(axes) - sum(length != 1 for length in own)
+    following = lambda axes: all(a[1] == b[0] * b[1] for a, b in zip(axes, axes[1:]))
+    rows, numbers = axes[:split], [*axes[split:], (1, 1)]
+    if not following(rows) or not following(numbers):
+        return None
+    return int(rows[-1][1]) if rows else size
+
+
 def call(code: Code, device: int, stream: int, arrays: list[Any], empty: Callable[[tuple[int, ...]], Any]) -> list[Any]:
-    """Starts a function of arrays on a stream: PyTorch's tensors on a device, whose numbers follow one another.
+    """Starts a function of arrays on a stream, given PyTorch's tensors on a device. Tensors without a stride are copied.
 
     `empty` returns a new tensor on the device. Nothing waits for the results.
     """
     own = kernel(code, device)
     shapes = [array.shape for array in arrays]
     lead, repeated = own.states(shapes)
-    for k in repeated:
-        arrays[k] = arrays[k].expand(*lead, *code.inputs[k]).contiguous()
-        shapes[k] = arrays[k].shape
+    strides = []
+    for k, shape in enumerate(code.inputs):
+        step = None if k in repeated else stride(arrays[k], shape)
+        if step is None:
+            array = arrays[k].expand(*lead, *shape) if k in repeated else arrays[k]
+            arrays[k] = array.contiguous()
+            shapes[k], step = arrays[k].shape, math.prod(shape)
+        strides.append(step)
     results = [empty((*lead, *shape)) for shape in code.outputs]
     addresses = [array.data_ptr() for array in (*arrays, *results)]
-    own.launch(driver().device(device)[1], stream, shapes, addresses)
+    own.launch(driver().device(device)[1], stream, shapes, strides, addresses)
     return results

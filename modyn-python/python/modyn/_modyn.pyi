@@ -281,9 +281,11 @@ class CudaKernel:
     def states(self, shapes: Sequence[Sequence[int]]) -> tuple[list[int], list[int]]:
         """Returns the axes of states that arguments of these shapes have in common, and the indices of the arguments that must be
         repeated along them before `launch`."""
-    def launch(self, context: int, stream: int, shapes: Sequence[Sequence[int]], arrays: Sequence[int]) -> None:
-        """Starts the kernel on a stream of a context. `arrays` are the addresses of the arguments, whose shapes are `shapes`, and of
-        the results, in this order."""
+    def launch(
+        self, context: int, stream: int, shapes: Sequence[Sequence[int]], strides: Sequence[int], arrays: Sequence[int]
+    ) -> None:
+        """Starts the kernel on a stream of a context. `arrays` are the addresses of the arguments, whose shapes are `shapes` and
+        whose rows are `strides` numbers apart, and of the results, in this order."""
 
 @final
 class Robot:

@@ -60,6 +60,8 @@ def function(robot: Robot, name: str, link: str | int | None = None) -> Callable
         own, of_robot = signature.bind(given, named, constants.defaults(device))
         tensors = [_tensor(x, dtype, argument, name, device) for argument, x in zip(signature.names, own)]
         signature.check(tensors)
+        if _is_cuda(device):
+            _check_rows(signature, tensors)
         if signature.parameters:
             flat = lambda: signature.flat(of_robot, lambda x: _tensor(x, dtype, "parameters", name, device), _concatenate)
             tensors.append(constants.present(device) if of_robot is None else flat())
@@ -217,8 +219,6 @@ def _tensor(given: Any, dtype: torch.dtype, argument: str, name: str, device: to
     if tensor.device != device:
         of_others = f"other arguments are on {device}" if _is_cuda(device) else "`modyn.torch` computes on the CPU and on CUDA"
         raise ValueError(f"`{argument}` of `{name}` is on the device {tensor.device}; {of_others}")
-    if _is_cuda(device) and not tensor.is_contiguous():
-        raise ValueError(f"`{argument}` of `{name}` is not contiguous, and calls on CUDA copy nothing: pass `.contiguous()` of it")
     if tensor.dtype == dtype:
         return tensor
     if _is_cuda(device):
@@ -226,6 +226,16 @@ def _tensor(given: Any, dtype: torch.dtype, argument: str, name: str, device: to
     if tensor.is_complex() or tensor.dtype == torch.bool:
         raise TypeError(f"`{argument}` of `{name}` must be a tensor of real numbers, not of {tensor.dtype}")
     return tensor.to(dtype)
+
+
+def _check_rows(signature: Signature, tensors: Sequence[torch.Tensor]) -> None:
+    """Checks that a call on CUDA copies no argument."""
+    for name, own, tensor in zip(signature.names, signature.shapes, tensors):
+        if _cuda.stride(tensor, own) is None:
+            raise ValueError(
+                f"the numbers of a state in `{name}` of `{signature.name}` are not contiguous, or the states have no common stride, and "
+                "calls on CUDA copy nothing: pass `.contiguous()` of it"
+            )
 
 
 def _concatenate(tensors: list[torch.Tensor]) -> torch.Tensor:
@@ -266,8 +276,7 @@ def _computed(code: Any, tensors: Sequence[torch.Tensor]) -> list[torch.Tensor]:
             return _rolled_out(code, _by_step(code, tensors), tensors)
         if isinstance(code, RolloutGradient):
             return _rollout_gradient(code, tensors)
-        arrays = [tensor.contiguous() for tensor in tensors]
-        return _cuda.call(code, device.index or 0, _stream(device), arrays, tensors[0].new_empty)
+        return _cuda.call(code, device.index or 0, _stream(device), list(tensors), tensors[0].new_empty)
     arrays = [tensor.detach().contiguous().numpy() for tensor in tensors]
     return [torch.from_numpy(array) for array in code.handle.call(arrays)]
 
@@ -283,7 +292,7 @@ def _lead(tensors: Sequence[torch.Tensor], shapes: Any) -> torch.Size:
 def _by_step(code: Rollout, tensors: Sequence[torch.Tensor]) -> list[tuple[list[torch.Tensor], list[torch.Tensor]]]:
     """Returns the arguments and the results of each step."""
     given, steps = list(tensors), []
-    sequences = {k: tensors[k].movedim(tensors[k].dim() - len(code.inputs[k]), 0).contiguous() for k in code.sequences}
+    sequences = {k: tensors[k].movedim(tensors[k].dim() - len(code.inputs[k]), 0) for k in code.sequences}
     for i in range(code.steps):
         for k, sequence in sequences.items():
             given[k] = sequence[i]

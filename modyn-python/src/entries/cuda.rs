@@ -9,7 +9,8 @@
 //! arrays that PyTorch keeps until the stream has passed the kernel; XLA keeps the arrays of a call in
 //! the same way (see `xla.rs`). The driver copies the kernel's parameters before it returns, so the
 //! pointers to them end with the call. The kernel reads and writes only the rows of its arrays, as
-//! `emit_rows` documents: `rows_of` makes `rows` the number of an array's rows.
+//! `emit_rows` documents: `rows_of` makes `rows` the number of an array's rows, and `stride` is the
+//! stride of the tensor.
 #![allow(unsafe_code)]
 
 use std::collections::HashMap;
@@ -92,8 +93,9 @@ impl Kernel {
         self.is_double
     }
 
-    /// Starts the kernel on a stream. `axes` are the axes of states of each argument, `arrays` the
-    /// addresses of the arguments and of the results.
+    /// Starts the kernel on a stream. `axes` are the axes of states of each argument, `strides` the
+    /// numbers from one of its rows to the next, `arrays` the addresses of the arguments and of the
+    /// results.
     ///
     /// # Errors
     ///
@@ -106,6 +108,7 @@ impl Kernel {
         &self,
         stream: usize,
         axes: &[&[usize]],
+        strides: &[usize],
         mut arrays: Vec<usize>,
     ) -> Result<(), String> {
         let all = common(axes)?;
@@ -116,13 +119,14 @@ impl Kernel {
         if arrays.len() != self.inputs.len() + self.outputs.len() {
             return Err("modyn: a kernel got another number of arrays".into());
         }
-        let mut numbers = Vec::with_capacity(2 * axes.len() + 1);
-        for axes in axes {
+        let mut numbers = Vec::with_capacity(3 * axes.len() + 1);
+        for (axes, &stride) in axes.iter().zip(strides) {
             numbers.extend(rows_of(axes, &all).ok_or("modyn: an array must be repeated first")?);
+            numbers.push(stride);
         }
         numbers.push(count);
         let unsigned = numbers.into_iter().map(u32::try_from).collect::<Result<Vec<u32>, _>>();
-        let mut numbers = unsigned.map_err(|_| "modyn: a call has more than 2^32 states")?;
+        let mut numbers = unsigned.map_err(|_| "modyn: a call has 2^32 states or more")?;
         let mut parameters: Vec<Pointer> = Vec::with_capacity(arrays.len() + numbers.len());
         parameters.extend(arrays.iter_mut().map(|array| (&raw mut *array).cast()));
         parameters.extend(numbers.iter_mut().map(|number| (&raw mut *number).cast()));
@@ -215,15 +219,20 @@ impl CudaKernel {
     }
 
     /// Starts the kernel on a stream of a context. `arrays` are the addresses of the arguments, whose
-    /// shapes are `shapes`, and of the results, in this order.
+    /// shapes are `shapes` and whose rows are `strides` numbers apart, and of the results, in this
+    /// order.
     fn launch(
         &self,
         context: usize,
         stream: usize,
         shapes: Vec<Vec<usize>>,
+        strides: Vec<usize>,
         arrays: Vec<usize>,
     ) -> PyResult<()> {
         let axes = self.axes(&shapes)?;
+        if strides.len() != axes.len() {
+            return Err(PyValueError::new_err("a kernel got another number of strides"));
+        }
         let Driver { push, pop, .. } = self.0.driver;
         let error = PyRuntimeError::new_err::<String>;
         // SAFETY: see the header.
@@ -231,7 +240,7 @@ impl CudaKernel {
         let mut current = null_mut();
         // SAFETY: see the header.
         let (launched, popped) = unsafe {
-            let launched = self.0.launch(stream, &axes, arrays);
+            let launched = self.0.launch(stream, &axes, &strides, arrays);
             (launched, pop(&raw mut current))
         };
         launched.and(self.0.driver.checked(popped)).map_err(error)

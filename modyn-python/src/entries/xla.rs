@@ -142,9 +142,11 @@ unsafe fn call_on_cuda<const ON_HOST: bool>(frame: &CallFrame, api: &Api) -> Res
     if !has_stream && !ON_HOST {
         return Err("modyn: XLA has no stream for a call on CUDA".into());
     }
+    let strides: Vec<usize> =
+        kernel.inputs().iter().map(|own_axes| own_axes.iter().product()).collect();
     let addresses = arguments.iter().chain(&results).map(|array| array.data.addr());
     // SAFETY: see the header.
-    unsafe { kernel.launch(question.stream.addr(), &axes, addresses.collect()) }
+    unsafe { kernel.launch(question.stream.addr(), &axes, &strides, addresses.collect()) }
 }
 
 /// Returns the attribute `function`.

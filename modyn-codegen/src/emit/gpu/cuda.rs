@@ -72,14 +72,15 @@ impl Cuda {
     }
 
     /// Returns the kernel of a function of arrays with this body. Argument `k` of state `i` is row
-    /// `i / every{k} % rows{k}` of its array.
+    /// `i / every{k} % rows{k}` of its array, whose rows are `stride{k}` numbers apart.
     fn rows_kernel(&self, kernel: &GpuKernel, results: &[usize], body: &str) -> String {
         let mut parameters = self.parameters(kernel);
         let mut head = String::new();
-        for (k, GpuArgument { name, len, .. }) in kernel.arguments.iter().enumerate() {
-            parameters.push(format!("unsigned int every{k}, unsigned int rows{k}"));
+        for (k, GpuArgument { name, .. }) in kernel.arguments.iter().enumerate() {
+            let numbers = ["every", "rows", "stride"].map(|word| format!("unsigned int {word}{k}"));
+            parameters.extend(numbers);
             let row = format!("(unsigned int)state / every{k} % rows{k}");
-            let _ = writeln!(head, "    {name} += (size_t)({row}) * {len};");
+            let _ = writeln!(head, "    {name} += (size_t)({row}) * stride{k};");
         }
         for (k, len) in results.iter().enumerate() {
             let _ = writeln!(head, "    out{k} += state * {len};");
