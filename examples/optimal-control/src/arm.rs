@@ -1,11 +1,14 @@
 //! Model predictive control of an arm: the hand follows a pose, with torque limits, and the robot differs from its model.
 
+use std::time::Instant;
+
 use modyn::Inertial;
 use modyn::simulate::State;
 use mpc::following::Following;
 use mpc::pose_error;
 use mpc::solver::Problem;
 
+use crate::StepDuration;
 use crate::robots::{Arm, ArmLink, LoadedArm, LoadedArmParams};
 
 /// The number of steps of the horizon, of 20 ms.
@@ -80,8 +83,8 @@ pub(crate) struct Followed {
     pub(crate) limited: f64,
     /// The largest torque, as a part of its limit.
     pub(crate) largest: f64,
-    /// The duration of each step of the controller.
-    pub(crate) times: Vec<std::time::Duration>,
+    /// The durations of the steps of the controller.
+    pub(crate) durations: Vec<StepDuration>,
 }
 
 /// Controls the robot: its hand visits the poses of the postures, each within a second, and rests there for a second. The
@@ -99,11 +102,13 @@ pub(crate) fn follow(torque_share: f64) -> Followed {
             let share = 0.5 - 0.5 * (core::f64::consts::PI * f64::from(k.min(50)) / 50.0).cos();
             let goal = core::array::from_fn(|i| pair[0][i] + share * (pair[1][i] - pair[0][i]));
             problem.target = Arm::link_pose(&goal, ArmLink::GraspPoint);
-            let start = std::time::Instant::now();
+            let start = Instant::now();
             solver.advance();
             solver.restart(&problem, &plant.state);
+            let restarted = Instant::now();
             solver.iterate(&problem);
-            followed.times.push(start.elapsed());
+            let iteration = restarted.elapsed();
+            followed.durations.push(StepDuration { whole: start.elapsed(), iteration });
             for ms in 0..20 {
                 let torques = solver.feedback(&problem, f64::from(ms) / 20.0, &plant.state);
                 for (torque, limit) in torques.iter().zip(limits.upper) {
@@ -217,7 +222,7 @@ mod tests {
             let [.., a, b, c] = error(&q);
             largest = largest.max((a * a + b * b + c * c).sqrt());
             let pose = Arm::link_pose(&q, link);
-            let rows = pose_error::pose_error_derivative::<Arm>(&q, link, &pose, &target);
+            let rows = pose_error::pose_error_derivative::<Arm>(&q, link, &pose, &error(&q));
             for j in 0..7 {
                 let [above, below] = [1e-6, -1e-6].map(|by| {
                     let mut q = q;

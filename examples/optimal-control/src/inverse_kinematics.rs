@@ -101,8 +101,9 @@ where
         + functions::LinkPose,
 {
     let pose = R::link_pose(q, link);
-    let error = DVector::from_column_slice(&pose_error(&pose, target));
-    let rows = pose_error_derivative::<R>(q, link, &pose, target);
+    let error = pose_error(&pose, target);
+    let rows = pose_error_derivative::<R>(q, link, &pose, &error);
+    let error = DVector::from_column_slice(&error);
     let derivative = DMatrix::from_fn(6, R::NV, |i, j| rows[i].as_ref()[j]);
     let damping = DAMPING[0] * error.norm_squared() + DAMPING[1];
     // The displacements of the joints that stop at a limit.

@@ -4,12 +4,15 @@
 //! The sequence of contacts is given, the forces are not. The contacts of the model are bilateral: a barrier keeps each
 //! force within its friction cone. The derivatives of the steps and of the forces come from `constrained_knot`.
 
+use std::time::Instant;
+
 use modyn::simulate::State;
 use modyn::{ContactSurface, ContactTarget, StepSettings, Wrench};
 use mpc::knot::{Knot, Slope, StateCost};
 use mpc::matrix::dot;
 use mpc::solver::{Limits, Problem, Step};
 
+use crate::StepDuration;
 use crate::robots::{Quadruped, QuadrupedContacts, Settings, TORQUE_LIMIT, standing};
 
 /// The number of degrees of freedom, and of motors, which follow the six of the base.
@@ -320,8 +323,8 @@ pub(crate) struct Trotted {
     pub(crate) last: [f64; 6],
     /// The state at the end.
     pub(crate) state: State<Quadruped>,
-    /// The duration of each step of the controller.
-    pub(crate) times: Vec<std::time::Duration>,
+    /// The durations of the steps of the controller.
+    pub(crate) durations: Vec<StepDuration>,
 }
 
 /// Trots for some steps of the controller on the ground of the simulation. The controller improves its motion once in
@@ -333,15 +336,17 @@ pub(crate) fn trot(steps: usize, pushes: &[Push]) -> Trotted {
         error: [0.0; 3],
         last: [0.0; 6],
         state: State::at_rest(standing()),
-        times: vec![],
+        durations: vec![],
     };
     for k in 0..steps {
-        let start = std::time::Instant::now();
+        let start = Instant::now();
         problem.advance();
         solver.advance();
         solver.restart(&problem, &trotted.state);
+        let restarted = Instant::now();
         solver.iterate(&problem);
-        trotted.times.push(start.elapsed());
+        let iteration = restarted.elapsed();
+        trotted.durations.push(StepDuration { whole: start.elapsed(), iteration });
         for push in pushes.iter().filter(|push| push.step == k) {
             for (qd, change) in trotted.state.qd.iter_mut().zip(push.change) {
                 *qd += change;

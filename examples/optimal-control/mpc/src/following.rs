@@ -89,7 +89,7 @@ where
     ) {
         let pose = R::link_pose(&x.q, self.link);
         let error = pose_error(&pose, &self.target);
-        let rows = pose_error_derivative::<R>(&x.q, self.link, &pose, &self.target);
+        let rows = pose_error_derivative::<R>(&x.q, self.link, &pose, &error);
         for (i, (error, row)) in error.iter().zip(&rows).enumerate() {
             let weight = if i < 3 { weights.position } else { weights.rotation };
             cost.add_of_coordinates(scale * weight, *error, row);

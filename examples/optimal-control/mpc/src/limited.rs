@@ -7,72 +7,79 @@ use modyn::Scalar;
 use crate::matrix::{Matrix, add_scaled, dot};
 use crate::solver::Limits;
 
-/// The rows of a Cholesky factor L; the diagonal is stored as its reciprocal. The row of an input at a limit is a row of
-/// the identity.
+/// The factors of a symmetric matrix U^T D U: U has ones on its diagonal and zeros below it, D is diagonal. The rows and
+/// the columns of inputs at a limit are zero in U - 1 and in D^-1.
 pub(crate) struct Factor<const NU: usize> {
-    pub(crate) rows: Matrix<NU, NU>,
+    /// The entries of U above the diagonal; the others are zero.
+    upper: Matrix<NU, NU>,
+    /// The diagonal of D^-1.
+    reciprocals: [f64; NU],
     /// Whether an input is free to change.
-    pub(crate) free: [bool; NU],
+    free: [bool; NU],
 }
 
 impl<const NU: usize> Factor<NU> {
-    /// Returns the factor of the matrix plus `damping` on its diagonal; `None` if the matrix is not positive definite.
-    #[inline(always)]
+    /// Returns the factors of the matrix plus `damping` on its diagonal; `None` if the matrix is not positive definite.
+    #[inline(never)]
     fn new(matrix: &Matrix<NU, NU>, damping: f64, free: [bool; NU]) -> Option<Self> {
-        let mut rows = [[0.0; NU]; NU];
+        let mut factor = Self { upper: [[0.0; NU]; NU], reciprocals: [0.0; NU], free };
+        // The matrix that remains for the next rows.
+        let mut rest = *matrix;
         for i in 0..NU {
             if !free[i] {
-                rows[i][i] = 1.0;
                 continue;
             }
-            for j in 0..i {
-                if free[j] {
-                    let known = dot(&rows[i][..j], &rows[j][..j]);
-                    rows[i][j] = (matrix[i][j] - known) * rows[j][j];
-                }
-            }
-            let square = matrix[i][i] + damping - dot(&rows[i][..i], &rows[i][..i]);
-            if square <= 0.0 || square.is_nan() {
+            let row = rest[i];
+            let pivot = row[i] + damping;
+            if pivot <= 0.0 || pivot.is_nan() {
                 return None;
             }
-            rows[i][i] = Scalar::recip(Scalar::sqrt(square));
+            let reciprocal = Scalar::recip(pivot);
+            for j in i + 1..NU {
+                if free[j] {
+                    factor.upper[i][j] = row[j] * reciprocal;
+                    add_scaled(&mut rest[j], -factor.upper[i][j], &row);
+                }
+            }
+            factor.reciprocals[i] = reciprocal;
         }
-        Some(Self { rows, free })
+        Some(factor)
     }
 
-    /// Replaces b by L^-1 b, with zeros for inputs at a limit. An entry of b is a row of a matrix.
-    #[inline(always)]
+    /// Replaces b by U^-T b. An entry of b is a row of a matrix.
+    #[inline(never)]
     pub(crate) fn solve_lower<const C: usize>(&self, b: &mut Matrix<NU, C>) {
         for i in 0..NU {
-            if !self.free[i] {
-                b[i] = [0.0; C];
-                continue;
+            let (before, rest) = b.split_at_mut(i + 1);
+            for (row, factor) in rest.iter_mut().zip(&self.upper[i][i + 1..]) {
+                add_scaled(row, -factor, &before[i]);
             }
-            let (before, rest) = b.split_at_mut(i);
-            for (factor, row) in self.rows[i].iter().zip(before) {
-                add_scaled(&mut rest[0], -factor, row);
-            }
-            rest[0] = rest[0].map(|x| x * self.rows[i][i]);
         }
     }
 
-    /// Replaces b by L^-T b.
+    /// Returns -D^-1 b: zeros for inputs at a limit.
     #[inline(always)]
+    pub(crate) fn minus_divided<const C: usize>(&self, b: &Matrix<NU, C>) -> Matrix<NU, C> {
+        core::array::from_fn(|i| b[i].map(|x| -self.reciprocals[i] * x))
+    }
+
+    /// Replaces b by U^-1 b.
+    #[inline(never)]
     pub(crate) fn solve_upper<const C: usize>(&self, b: &mut Matrix<NU, C>) {
         for i in (0..NU).rev() {
             let (before, after) = b.split_at_mut(i + 1);
-            for (factor, row) in self.rows[i + 1..].iter().zip(after) {
-                add_scaled(&mut before[i], -factor[i], row);
+            for (factor, row) in self.upper[i][i + 1..].iter().zip(after) {
+                add_scaled(&mut before[i], -factor, row);
             }
-            before[i] = before[i].map(|x| x * self.rows[i][i]);
         }
     }
 
-    /// Returns the vector that the matrix takes to b, with zeros for inputs at a limit.
+    /// Returns the vector that the matrix takes to -g, with zeros for inputs at a limit.
     #[inline(always)]
-    fn solve(&self, b: &[f64; NU]) -> [f64; NU] {
-        let mut x = b.map(|b| [b]);
+    fn step(&self, g: &[f64; NU]) -> [f64; NU] {
+        let mut x = g.map(|g| [g]);
         self.solve_lower(&mut x);
+        x = self.minus_divided(&x);
         self.solve_upper(&mut x);
         x.map(|[x]| x)
     }
@@ -104,7 +111,7 @@ impl<const NU: usize> Quadratic<'_, NU> {
     #[inline(always)]
     pub(crate) fn minimum(&self, limits: &Limits<NU>, start: &[f64; NU]) -> Option<Minimum<NU>> {
         let factor = Factor::new(self.hessian, self.damping, [true; NU])?;
-        let change = factor.solve(&self.gradient.map(|g| -g));
+        let change = factor.step(self.gradient);
         if limits.contain(&change) {
             return Some(Minimum { change, factor });
         }
@@ -115,12 +122,11 @@ impl<const NU: usize> Quadratic<'_, NU> {
             if minimum.factor.free != free {
                 minimum.factor = Factor::new(self.hessian, self.damping, free)?;
             }
-            let downhill: [f64; NU] =
-                core::array::from_fn(|i| if free[i] { -slope[i] } else { 0.0 });
-            if dot(&downhill, &downhill) <= CONVERGED * dot(self.gradient, self.gradient) {
+            let uphill: [f64; NU] = core::array::from_fn(|i| if free[i] { slope[i] } else { 0.0 });
+            if dot(&uphill, &uphill) <= CONVERGED * dot(self.gradient, self.gradient) {
                 break;
             }
-            let direction = minimum.factor.solve(&downhill);
+            let direction = minimum.factor.step(&uphill);
             let decrease = SUFFICIENT * dot(&slope, &direction);
             let value = self.value(&minimum.change);
             let mut length = 1.0;

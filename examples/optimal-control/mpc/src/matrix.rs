@@ -45,48 +45,116 @@ pub fn add_outer<const R: usize, const C: usize>(
     }
 }
 
-/// Adds a^T b to `sum`.
-#[inline(always)]
-pub fn add_transposed_product<const K: usize, const R: usize, const C: usize>(
-    sum: &mut Matrix<R, C>,
-    a: &Matrix<K, R>,
-    b: &Matrix<K, C>,
-) {
-    let (pairs, rest) = sum.as_chunks_mut::<2>();
-    for (pair, rows) in pairs.iter_mut().enumerate() {
-        add_rows(rows, 2 * pair, a, b);
+/// Adjacent entries of a row, which fit into a vector register.
+#[derive(Clone, Copy)]
+#[repr(align(32))]
+struct Lanes([f64; LANES]);
+
+const LANES: usize = 4;
+/// The most vectors of a row of a product.
+const MOST: usize = 16;
+
+impl Lanes {
+    const ZERO: Self = Self([0.0; LANES]);
+
+    /// Returns vector `i` of a row, with zeros beyond the row's end.
+    #[inline(always)]
+    fn load<const C: usize>(row: &[f64; C], i: usize) -> Self {
+        let (whole, rest) = row.as_chunks();
+        if let Some(whole) = whole.get(i) {
+            return Self(*whole);
+        }
+        Self(core::array::from_fn(|lane| if lane < C % LANES { rest[lane] } else { 0.0 }))
     }
-    if let [row] = rest {
-        add_rows(core::array::from_mut(row), R - 1, a, b);
+
+    /// Adds the lanes to vector `i` of a row.
+    #[inline(always)]
+    fn add_to<const C: usize>(self, row: &mut [f64; C], i: usize) {
+        let (whole, rest) = row.as_chunks_mut();
+        if let Some(whole) = whole.get_mut(i) {
+            add_scaled(whole, 1.0, &self.0);
+            return;
+        }
+        for (x, lane) in rest.iter_mut().zip(self.0) {
+            *x += lane;
+        }
+    }
+
+    #[inline(always)]
+    fn mul_add(self, factor: f64, mut sum: Self) -> Self {
+        add_scaled(&mut sum.0, factor, &self.0);
+        sum
     }
 }
 
-/// Adds the rows of a^T b from row `first` on to `sum`. Two rows and a row of b fit into the registers.
-#[inline(always)]
-fn add_rows<const K: usize, const R: usize, const C: usize, const ROWS: usize>(
-    sum: &mut Matrix<ROWS, C>,
-    first: usize,
-    a: &Matrix<K, R>,
-    b: &Matrix<K, C>,
+/// The rows of a product that are summed at once: as many as the vector registers hold.
+const fn rows_at_once(columns: usize) -> usize {
+    if cfg!(target_feature = "avx") && columns <= 12 { 4 } else { 2 }
+}
+
+/// Adds a^T b to `sum`.
+///
+/// Not inlined, and with loops over any number of rows: a step of the recursion has a dozen products, which would not fit
+/// into the instruction cache.
+#[inline(never)]
+pub fn add_transposed_product<const R: usize, const C: usize>(
+    sum: &mut Matrix<R, C>,
+    a: &[[f64; R]],
+    b: &[[f64; C]],
 ) {
-    let mut rows = *sum;
-    for (a, b) in a.iter().zip(b) {
-        for (i, row) in rows.iter_mut().enumerate() {
-            add_scaled(row, a[first + i], b);
+    let mut first = 0;
+    if rows_at_once(C) == 4 {
+        let (groups, _) = sum.as_chunks_mut::<4>();
+        for rows in groups {
+            add_rows(rows, first, a, b);
+            first += 4;
         }
     }
-    *sum = rows;
+    let (pairs, rest) = sum[first..].as_chunks_mut::<2>();
+    for rows in pairs {
+        add_rows(rows, first, a, b);
+        first += 2;
+    }
+    if let [row] = rest {
+        add_rows(core::array::from_mut(row), first, a, b);
+    }
+}
+
+/// Adds the rows of a^T b from row `first` on to `sum`.
+#[inline(always)]
+fn add_rows<const R: usize, const C: usize, const ROWS: usize>(
+    sum: &mut Matrix<ROWS, C>,
+    first: usize,
+    a: &[[f64; R]],
+    b: &[[f64; C]],
+) {
+    const { assert!(C <= MOST * LANES, "the rows are too long") };
+    // Vectors that end at the ends of the rows: an array of the entries makes LLVM form vectors across rows.
+    let mut rows = [[Lanes::ZERO; MOST]; ROWS];
+    for (a, b) in a.iter().zip(b) {
+        for w in 0..C.div_ceil(LANES) {
+            let b = Lanes::load(b, w);
+            for i in 0..ROWS {
+                rows[i][w] = b.mul_add(a[first + i], rows[i][w]);
+            }
+        }
+    }
+    for (sum, row) in sum.iter_mut().zip(&rows) {
+        for w in 0..C.div_ceil(LANES) {
+            row[w].add_to(sum, w);
+        }
+    }
 }
 
 /// Returns the transposed matrix.
-#[inline(always)]
+#[inline(never)]
 #[must_use]
 pub fn transposed<const R: usize, const C: usize>(a: &Matrix<R, C>) -> Matrix<C, R> {
     core::array::from_fn(|i| core::array::from_fn(|j| a[j][i]))
 }
 
 /// Copies the entries above the diagonal below it.
-#[inline(always)]
+#[inline(never)]
 pub fn mirror<const N: usize>(a: &mut Matrix<N, N>) {
     for i in 0..N {
         let (above, below) = a.split_at_mut(i + 1);

@@ -13,7 +13,7 @@ pub fn pose_error(pose: &Pose<f64>, target: &Pose<f64>) -> [f64; 6] {
 }
 
 /// Returns the derivative of [`pose_error`] of the frame `link` with respect to the coordinates in tangent space: a row
-/// for each number of the error. `pose` is the pose of the frame at q.
+/// for each number of the error. `pose` is the pose of the frame at q, and `error` its error.
 ///
 /// The Jacobian of the link maps velocities to a twist in world axes; the inverse Jacobian of the exponential map takes
 /// the angular velocity in the link's axes to the rate of the rotation vector.
@@ -21,12 +21,13 @@ pub fn pose_error_derivative<R>(
     q: &R::Q<f64>,
     link: R::Link,
     pose: &Pose<f64>,
-    target: &Pose<f64>,
+    error: &[f64; 6],
 ) -> [R::V<f64>; 6]
 where
     R: Robot + functions::Jacobian,
 {
-    let to_rate = inverse_rotation_jacobian(rotation_vector(pose, target));
+    let [.., a, b, c] = *error;
+    let to_rate = inverse_rotation_jacobian(Vector3([a, b, c]));
     let to_link = Matrix3(pose.rotation).transposed();
     let jacobian = R::jacobian(q, link);
     let mut rows = [R::V::<f64>::from_fn(|_| 0.0); 6];

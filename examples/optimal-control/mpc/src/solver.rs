@@ -326,7 +326,7 @@ impl<P: Problem<NV, NU>, const NV: usize, const NU: usize, const N: usize> Solve
                 by_velocities(&mut value, dt);
             }
             let room = limits.around(u);
-            let part = riccati(&knot, &mut value, &room, self.damping, &mut self.gains[k])?;
+            let part = riccati(&mut knot, &mut value, &room, self.damping, &mut self.gains[k])?;
             promise.linear += part.linear;
             promise.quadratic += part.quadratic;
         }
@@ -399,16 +399,17 @@ fn base_rows<const NV: usize>(m: &Matrix<NV, NV>, base: &Matrix<6, 6>) -> Matrix
 }
 
 /// A step of the Riccati recursion. `value` is the cost from the next state on, as a function of the coordinates before
-/// the step and of the velocities after it; it becomes the cost from the state before the step on.
+/// the step and of the velocities after it; it becomes the cost from the state before the step on. The costs of the knot
+/// are lost.
 #[inline(never)]
 fn riccati<const NV: usize, const NU: usize>(
-    knot: &Knot<NV, NU>,
+    knot: &mut Knot<NV, NU>,
     value: &mut StateCost<NV>,
     limits: &Limits<NU>,
     damping: f64,
     gain: &mut Gain<NV, NU>,
 ) -> Option<Promise> {
-    let Knot { step, state, input } = knot;
+    let Knot { step, state: cost, input } = knot;
     let StepDerivatives { dqd_dq: by_q, dqd_dqd: by_qd, dqd_du: by_u, .. } = step;
 
     // The Hessian with respect to the velocities after the step, times the derivatives of these velocities.
@@ -427,7 +428,6 @@ fn riccati<const NV: usize, const NU: usize>(
     }
 
     // The cost as a function of the state before the step and of the inputs.
-    let mut cost = *state;
     add_scaled(&mut cost.q, 1.0, &value.q);
     add_transposed_vector(&mut cost.q, by_q, &value.qd);
     add_transposed_vector(&mut cost.qd, by_qd, &value.qd);
@@ -441,36 +441,33 @@ fn riccati<const NV: usize, const NU: usize>(
             add_scaled(&mut cost.q_q[i], 1.0, row);
         }
     }
-    let mut of_input = *input;
-    add_transposed_vector(&mut of_input.u, by_u, &value.qd);
-    add_transposed_product(&mut of_input.u_q, by_u, &whole);
-    add_transposed_product(&mut of_input.u_qd, by_u, &hessian_qd);
-    add_transposed_product(&mut of_input.u_u, by_u, &hessian_u);
-    mirror(&mut of_input.u_u);
+    let InputCost { u: gradient, u_q, u_qd, u_u } = input;
+    add_transposed_vector(gradient, by_u, &value.qd);
+    add_transposed_product(u_q, by_u, &whole);
+    add_transposed_product(u_qd, by_u, &hessian_qd);
+    add_transposed_product(u_u, by_u, &hessian_u);
+    mirror(u_u);
 
-    // The best change of the inputs, and its feedback.
-    let InputCost { u: gradient, u_q, u_qd, u_u } = &of_input;
+    // The best change of the inputs, and the cost with the change.
     let quadratic = Quadratic { hessian: u_u, gradient, damping };
     let Minimum { change, factor } = quadratic.minimum(limits, &gain.change)?;
-    let mut lower_q = *u_q;
-    let mut lower_qd = *u_qd;
-    factor.solve_lower(&mut lower_q);
-    factor.solve_lower(&mut lower_qd);
-    let minus_q = lower_q.map(|row| row.map(|x| -x));
-    let minus_qd = lower_qd.map(|row| row.map(|x| -x));
-    *gain = Gain { change, by_q: minus_q, by_qd: minus_qd };
-    factor.solve_upper(&mut gain.by_q);
-    factor.solve_upper(&mut gain.by_qd);
-
-    // The cost with these inputs.
+    gain.change = change;
     add_transposed_vector(&mut cost.q, u_q, &change);
     add_transposed_vector(&mut cost.qd, u_qd, &change);
-    add_transposed_product(&mut cost.q_q, &minus_q, &lower_q);
-    add_transposed_product(&mut cost.q_qd, &minus_q, &lower_qd);
-    add_transposed_product(&mut cost.qd_qd, &minus_qd, &lower_qd);
+
+    // Its feedback, and the cost with the feedback.
+    factor.solve_lower(u_q);
+    factor.solve_lower(u_qd);
+    gain.by_q = factor.minus_divided(u_q);
+    gain.by_qd = factor.minus_divided(u_qd);
+    add_transposed_product(&mut cost.q_q, &gain.by_q, u_q);
+    add_transposed_product(&mut cost.q_qd, &gain.by_q, u_qd);
+    add_transposed_product(&mut cost.qd_qd, &gain.by_qd, u_qd);
     mirror(&mut cost.q_q);
     mirror(&mut cost.qd_qd);
-    *value = cost;
+    *value = *cost;
+    factor.solve_upper(&mut gain.by_q);
+    factor.solve_upper(&mut gain.by_qd);
     let curvature: f64 = u_u.iter().zip(&change).map(|(row, x)| x * dot(row, &change)).sum();
     Some(Promise { linear: dot(gradient, &change), quadratic: 0.5 * curvature })
 }
