@@ -266,7 +266,15 @@ def _numbered(code: Any) -> int:
 def _called(number: int, tensors: Sequence[torch.Tensor]) -> Sequence[torch.Tensor]:
     if torch.compiler.is_compiling():
         return torch.ops.modyn.call(number, False, list(tensors))
+    # PyTorch takes longer for a call that it can differentiate than a kernel for its start.
+    if not (torch.is_grad_enabled() and any(tensor.requires_grad for tensor in tensors) or _is_transformed()):
+        return _computed(_codes[number], tensors)
     return _Call.apply(_codes[number], *tensors)
+
+
+def _is_transformed() -> bool:
+    """Returns whether a transformation of `torch.func` or forward mode is active."""
+    return torch._C._are_functorch_transforms_active() or torch.autograd.forward_ad._current_level >= 0
 
 
 def _computed(code: Any, tensors: Sequence[torch.Tensor]) -> list[torch.Tensor]:
