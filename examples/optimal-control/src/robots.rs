@@ -1,5 +1,5 @@
 //! The robots of the examples: a fixed arm of seven joints, the arm with a load and with the description's damping, and
-//! a floating quadruped with a contact at each foot.
+//! a floating quadruped with contacts at all feet, or at those of a stance.
 
 modyn::modyn! {
     pub(crate) Arm = "../../robots/arm7.urdf",
@@ -34,8 +34,24 @@ modyn::modyn! {
     ]
 }
 
-/// The settings of the quadruped's contacts.
-pub(crate) type Settings = modyn::ConstraintSettings<f64, [modyn::ContactTarget<f64>; 4]>;
+// The quadruped while two feet swing: a contact that is not active would cost as much as one that is.
+modyn::modyn! {
+    pub(crate) FrontLeftStance = "../../robots/quadruped.urdf",
+    base = floating,
+    functions = [constrained_forward_dynamics, constrained_knot],
+    contacts = ["front left": point("front_left_foot"), "hind right": point("hind_right_foot")]
+}
+
+modyn::modyn! {
+    pub(crate) FrontRightStance = "../../robots/quadruped.urdf",
+    base = floating,
+    functions = [constrained_forward_dynamics, constrained_knot],
+    contacts = ["front right": point("front_right_foot"), "hind left": point("hind_left_foot")]
+}
+
+/// The settings of `FEET` contacts.
+pub(crate) type Settings<const FEET: usize> =
+    modyn::ConstraintSettings<f64, [modyn::ContactTarget<f64>; FEET]>;
 
 /// The greatest torque of a joint of Solo12, N m (Grimminger et al. 2020, "An open torque-controlled modular robot
 /// architecture for legged locomotion research"). The limits of the description are placeholders.
@@ -50,7 +66,8 @@ pub(crate) fn standing() -> [f64; 19] {
         q[7 + 3 * leg + 1] = bend;
         q[7 + 3 * leg + 2] = -2.0 * bend;
     }
-    let feet = Quadruped::constraint_residual(&q, &[0.0; 18], &Settings::DEFAULT).displacements;
+    let feet =
+        Quadruped::constraint_residual(&q, &[0.0; 18], &Settings::<4>::DEFAULT).displacements;
     q[2] = -feet[0].linear[2];
     q
 }

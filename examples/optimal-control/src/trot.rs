@@ -7,13 +7,18 @@
 use std::time::Instant;
 
 use modyn::simulate::State;
-use modyn::{ContactSurface, ContactTarget, StepSettings, Wrench};
+use modyn::{
+    ContactSet as _, ContactSurface, ContactTarget, Robot, StepSettings, Wrench, functions,
+};
 use mpc::knot::{Knot, Slope, StateCost};
 use mpc::matrix::dot;
 use mpc::solver::{Limits, Problem, Step};
 
 use crate::StepDuration;
-use crate::robots::{Quadruped, QuadrupedContacts, Settings, TORQUE_LIMIT, standing};
+use crate::robots::{
+    FrontLeftStance, FrontRightStance, Quadruped, QuadrupedContacts, Settings, TORQUE_LIMIT,
+    standing,
+};
 
 /// The number of degrees of freedom, and of motors, which follow the six of the base.
 const NV: usize = Quadruped::NV;
@@ -58,15 +63,16 @@ const BARRIER: f64 = 0.1;
 /// The weight of the last state's cost, s.
 const LAST: f64 = 0.5;
 
-/// The contacts of the model: a foot that touches the ground stops within a time step.
-const CONTACTS: Settings = {
+/// Returns the settings of the model's contacts: a foot that touches the ground stops within a time step.
+const fn contacts<const FEET: usize>() -> Settings<FEET> {
     let target = ContactTarget { alpha: 0.5 / DT, ..ContactTarget::<f64>::GROUND };
-    Settings { targets: [target; 4], ..Settings::DEFAULT }
-};
+    Settings { targets: [target; FEET], ..Settings::<FEET>::DEFAULT }
+}
+
 /// Contacts whose displacements are the places of the feet.
-const PLACES: Settings = {
+const PLACES: Settings<4> = {
     let target = ContactTarget { tangential: 1.0, ..ContactTarget::<f64>::GROUND };
-    Settings { targets: [target; 4], ..Settings::DEFAULT }
+    Settings { targets: [target; 4], ..Settings::<4>::DEFAULT }
 };
 
 /// Returns the places of the feet in the world, m.
@@ -76,7 +82,7 @@ fn feet(q: &[f64; 19]) -> [[f64; 3]; 4] {
 
 /// The desired state at a step, and the contacts.
 pub(crate) struct Stage {
-    /// Whether each foot stands.
+    /// Whether each foot stands: all feet, or the two of a [`Stance`].
     stance: [bool; 4],
     /// The places of the feet, m.
     feet: [[f64; 3]; 4],
@@ -105,11 +111,6 @@ impl Stage {
             reference.qd[0] = SPEED;
         }
         Self { stance, feet, reference }
-    }
-
-    fn contacts(&self) -> QuadrupedContacts {
-        let [front_left, front_right, hind_left, hind_right] = self.stance;
-        QuadrupedContacts { front_left, front_right, hind_left, hind_right }
     }
 
     /// Returns the displacements of a state's coordinates from the reference, and of its velocities.
@@ -168,24 +169,25 @@ impl Trot {
         self.stages[STEPS] = Stage::of(self.first + STEPS);
     }
 
-    /// Returns the cost of a step divided by its duration.
+    /// Returns the cost of a step divided by its duration, under the forces on the standing feet.
     fn cost(
         &self,
         k: usize,
         x: &State<Quadruped>,
         u: &[f64; MOTORS],
-        forces: &[Wrench<f64>; 4],
+        forces: &[Wrench<f64>],
     ) -> f64 {
         let stage = &self.stages[k];
         let mut cost = stage.state_cost(x) + 0.5 * EFFORT * dot(u, u);
-        let places = if stage.stance == [true; 4] { stage.feet } else { feet(&x.q) };
-        for foot in 0..4 {
-            if stage.stance[foot] {
-                for face in &FACES {
-                    let beyond = beyond(face, &forces[foot]);
-                    cost += 0.5 * BARRIER * beyond * beyond;
-                }
-            } else {
+        for force in forces {
+            for face in &FACES {
+                let beyond = beyond(face, force);
+                cost += 0.5 * BARRIER * beyond * beyond;
+            }
+        }
+        if stage.stance != [true; 4] {
+            let places = feet(&x.q);
+            for foot in (0..4).filter(|foot| !stage.stance[*foot]) {
                 for (place, desired) in places[foot].iter().zip(stage.feet[foot]) {
                     cost += 0.5 * FOOT * (place - desired) * (place - desired);
                 }
@@ -193,7 +195,77 @@ impl Trot {
         }
         cost
     }
+
+    /// Returns the result of [`Problem::step`] on the contacts of `R`.
+    fn step_on<R: Stance<FEET>, const FEET: usize>(
+        &self,
+        k: usize,
+        x: &State<Quadruped>,
+        u: &[f64; MOTORS],
+    ) -> Step<Quadruped> {
+        let dynamics = R::constrained_forward_dynamics(
+            &x.q,
+            &x.qd,
+            &joint_forces(u),
+            R::Contacts::ALL,
+            &const { contacts::<FEET>() },
+        );
+        let cost = DT * self.cost(k, x, u, &dynamics.wrenches);
+        Step { next: x.semi_implicit_euler(DT, |_| dynamics.qdd), cost }
+    }
+
+    /// Adds the derivatives of a step on the contacts of `R`, and the cost of the forces on them, to a knot.
+    fn linearize_on<R: Stance<FEET>, const FEET: usize>(
+        x: &State<Quadruped>,
+        u: &[f64; MOTORS],
+        knot: &mut Knot<NV, MOTORS>,
+    ) {
+        let dynamics = R::constrained_knot(
+            &x.q,
+            &x.qd,
+            &joint_forces(u),
+            DT,
+            R::Contacts::ALL,
+            &const { contacts::<FEET>() },
+        );
+        knot.step.set::<R>(&dynamics.knot());
+        for foot in 0..FEET {
+            for face in &FACES {
+                let beyond = beyond(face, &dynamics.wrenches[foot]);
+                if beyond > 0.0 {
+                    let row = |by: &[[Wrench<f64>; NV]; FEET]| -> [f64; NV] {
+                        core::array::from_fn(|j| dot(face, &by[foot][j].force.0))
+                    };
+                    let by_q = row(&dynamics.dwrenches_dq);
+                    let by_qd = row(&dynamics.dwrenches_dqd);
+                    let by_tau = row(&dynamics.dwrenches_dtau);
+                    let by_u = core::array::from_fn(|i| by_tau[6 + i]);
+                    knot.add(DT * BARRIER, beyond, &Slope { by_q, by_qd, by_u });
+                }
+            }
+        }
+    }
 }
+
+/// The quadruped with contacts at the `FEET` feet that stand.
+trait Stance<const FEET: usize>:
+    Robot<
+        Q<f64> = [f64; 19],
+        V<f64> = [f64; NV],
+        M<f64> = [[f64; NV]; NV],
+        PerQuaternion<[[f64; 6]; 6]> = [[[f64; 6]; 6]; 1],
+        PerVelocity<Wrench<f64>> = [Wrench<f64>; NV],
+        PerContact<ContactTarget<f64>> = [ContactTarget<f64>; FEET],
+        PerConstraint<Wrench<f64>> = [Wrench<f64>; FEET],
+        PerConstraint<[Wrench<f64>; NV]> = [[Wrench<f64>; NV]; FEET],
+    > + functions::ConstrainedForwardDynamics
+    + functions::ConstrainedKnot
+{
+}
+
+impl Stance<4> for Quadruped {}
+impl Stance<2> for FrontLeftStance {}
+impl Stance<2> for FrontRightStance {}
 
 /// Returns the joint forces of torques of the motors.
 fn joint_forces(u: &[f64; MOTORS]) -> [f64; NV] {
@@ -217,12 +289,11 @@ impl Problem<NV, MOTORS> for Trot {
     }
 
     fn step(&self, k: usize, x: &State<Quadruped>, u: &[f64; MOTORS]) -> Step<Quadruped> {
-        let contacts = self.stages[k].contacts();
-        let tau = joint_forces(u);
-        let dynamics =
-            Quadruped::constrained_forward_dynamics(&x.q, &x.qd, &tau, contacts, &CONTACTS);
-        let cost = DT * self.cost(k, x, u, &dynamics.wrenches);
-        Step { next: x.semi_implicit_euler(DT, |_| dynamics.qdd), cost }
+        match self.stages[k].stance {
+            [true, false, false, true] => self.step_on::<FrontLeftStance, 2>(k, x, u),
+            [false, true, true, false] => self.step_on::<FrontRightStance, 2>(k, x, u),
+            _ => self.step_on::<Quadruped, 4>(k, x, u),
+        }
     }
 
     fn linearize(
@@ -233,10 +304,11 @@ impl Problem<NV, MOTORS> for Trot {
         knot: &mut Knot<NV, MOTORS>,
     ) {
         let stage = &self.stages[k];
-        let tau = joint_forces(u);
-        let dynamics =
-            Quadruped::constrained_knot(&x.q, &x.qd, &tau, DT, stage.contacts(), &CONTACTS);
-        knot.step.set::<Quadruped>(&dynamics.knot());
+        match stage.stance {
+            [true, false, false, true] => Self::linearize_on::<FrontLeftStance, 2>(x, u, knot),
+            [false, true, true, false] => Self::linearize_on::<FrontRightStance, 2>(x, u, knot),
+            _ => Self::linearize_on::<Quadruped, 4>(x, u, knot),
+        }
         stage.add_state_cost(x, DT, &mut knot.state);
         for (i, u) in u.iter().enumerate() {
             knot.input.add_of_input(i, DT * EFFORT, *u);
@@ -249,21 +321,6 @@ impl Problem<NV, MOTORS> for Trot {
                 for (i, (place, desired)) in errors.enumerate() {
                     let row = core::array::from_fn(|j| columns[foot][j].linear.0[i]);
                     knot.state.add_of_coordinates(DT * FOOT, place - desired, &row);
-                }
-            }
-        }
-        for foot in (0..4).filter(|foot| stage.stance[*foot]) {
-            for face in &FACES {
-                let beyond = beyond(face, &dynamics.wrenches[foot]);
-                if beyond > 0.0 {
-                    let row = |by: &[[Wrench<f64>; NV]; 4]| -> [f64; NV] {
-                        core::array::from_fn(|j| dot(face, &by[foot][j].force.0))
-                    };
-                    let by_q = row(&dynamics.dwrenches_dq);
-                    let by_qd = row(&dynamics.dwrenches_dqd);
-                    let by_tau = row(&dynamics.dwrenches_dtau);
-                    let by_u = core::array::from_fn(|i| by_tau[6 + i]);
-                    knot.add(DT * BARRIER, beyond, &Slope { by_q, by_qd, by_u });
                 }
             }
         }
@@ -296,9 +353,9 @@ pub(crate) fn solver(problem: &Trot) -> Box<Solver> {
 /// Returns the torques that stand.
 pub(crate) fn hold() -> [f64; MOTORS] {
     let rest = [0.0; NV];
-    let contacts = QuadrupedContacts::ALL;
+    let active = QuadrupedContacts::ALL;
     let standing_forces =
-        Quadruped::constrained_inverse_dynamics(&standing(), &rest, &rest, contacts, &CONTACTS);
+        Quadruped::constrained_inverse_dynamics(&standing(), &rest, &rest, active, &contacts());
     core::array::from_fn(|i| standing_forces.tau[6 + i])
 }
 
@@ -371,6 +428,17 @@ mod tests {
     use crate::check::check_derivatives;
     use mpc::solver::Iteration;
 
+    type Dynamics =
+        modyn::ConstrainedForwardDynamics<[f64; NV], [Wrench<f64>; 4], [modyn::Twist<f64>; 4], f64>;
+
+    /// Returns the dynamics of the quadruped with all contacts, of which those of a stage are active.
+    fn masked_dynamics(stage: &Stage, x: &State<Quadruped>, u: &[f64; MOTORS]) -> Dynamics {
+        let [front_left, front_right, hind_left, hind_right] = stage.stance;
+        let active = QuadrupedContacts { front_left, front_right, hind_left, hind_right };
+        let tau = joint_forces(u);
+        Quadruped::constrained_forward_dynamics(&x.q, &x.qd, &tau, active, &contacts())
+    }
+
     /// Returns the cost of a motion with another torque of motor `i` in step `k`. The feedback keeps the motion stable; at
     /// an optimum, the derivative of the cost is zero with any feedback.
     fn cost(problem: &Trot, solver: &Solver, [k, i]: [usize; 2], by: f64) -> f64 {
@@ -406,6 +474,12 @@ mod tests {
         let u = core::array::from_fn(|i| 3.0 * (5.0 * i as f64).cos());
         for k in [0, STAND, 2 * STAND + SWING] {
             check_derivatives(&problem, k, &x, &u);
+            let expected =
+                x.semi_implicit_euler(DT, |_| masked_dynamics(&problem.stages[k], &x, &u).qdd);
+            let found = problem.step(k, &x, &u).next;
+            for (found, expected) in found.qd.iter().zip(expected.qd) {
+                assert!((found - expected).abs() < 1e-9, "step {k}: {found} {expected}");
+            }
         }
     }
 
@@ -437,10 +511,7 @@ mod tests {
         assert!((beside[1] - beside[0]) / 1e-5 > 1e-5, "{beside:?}");
         let barriers =
             motion.states.iter().zip(&motion.inputs).enumerate().filter(|(k, (x, u))| {
-                let contacts = problem.stages[*k].contacts();
-                let tau = joint_forces(u);
-                let dynamics =
-                    Quadruped::constrained_forward_dynamics(&x.q, &x.qd, &tau, contacts, &CONTACTS);
+                let dynamics = masked_dynamics(&problem.stages[*k], x, u);
                 let stance = problem.stages[*k].stance;
                 (0..4).any(|i| {
                     stance[i] && FACES.iter().any(|face| beyond(face, &dynamics.wrenches[i]) > 0.0)

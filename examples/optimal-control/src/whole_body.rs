@@ -176,8 +176,9 @@ mod tests {
     fn the_base_follows_a_motion() {
         let sway = Sway::default();
         let mut state = State::<Quadruped>::at_rest(standing());
-        let feet =
-            |q| Quadruped::constraint_residual(q, &[0.0; NV], &Settings::DEFAULT).displacements;
+        let feet = |q| {
+            Quadruped::constraint_residual(q, &[0.0; NV], &Settings::<4>::DEFAULT).displacements
+        };
         let (dt, steps) = (0.002, 1000);
         let (mut worst, mut moved) = (0.0_f64, 0.0_f64);
         for k in 0..steps {
@@ -215,7 +216,7 @@ mod tests {
             &state.qd,
             tau,
             contacts,
-            &Settings::EXACT,
+            &Settings::<4>::EXACT,
         );
         (dynamics.qdd, dynamics.wrenches.map(|wrench| wrench.force.0))
     }

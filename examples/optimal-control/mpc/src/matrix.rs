@@ -122,6 +122,7 @@ pub fn add_transposed_product<const R: usize, const C: usize>(
 
 /// Adds the rows of a^T b from row `first` on to `sum`.
 #[inline(always)]
+#[expect(clippy::needless_range_loop, reason = "with iterators, LLVM's code is slower")]
 fn add_rows<const R: usize, const C: usize, const ROWS: usize>(
     sum: &mut Matrix<ROWS, C>,
     first: usize,
