@@ -238,10 +238,10 @@ macro_rules! option_table {
                 "share_limbs" share_limbs()
                     share_limbs: bool, field => *field = true,
                     "true | false", "`false`", "true";
-                /// Embeds the model in the generated type, whose function `EmbeddedModel::model`
-                /// returns it. An interpreter, a graphics processor and a compiler at run time take
-                /// this type in place of a file. Needs the feature `alloc` of `modyn`, which is on
-                /// by default.
+                /// Embeds the model in the generated type: the type's function
+                /// `EmbeddedModel::model` returns the model. Interpreters, graphics processors and
+                /// compilers at run time take the type in place of a file. Needs the feature
+                /// `alloc` of `modyn`, which is on by default.
                 "embed_model" embed_model()
                     embed_model: bool, field => *field = true,
                     "true | false", "`false`", "true";

@@ -160,8 +160,8 @@ fn solve_inverse_kinematics() {
         solutions
     };
     let solutions = solve();
-    let (reached, first) =
-        (solutions.len(), solutions.iter().filter(|solution| solution.starts == 1).count());
+    let reached = solutions.len();
+    let first = solutions.iter().filter(|solution| solution.starts == 1).count();
     let iterations: usize = solutions.iter().map(|solution| solution.iterations).sum();
     let limits = solutions
         .iter()

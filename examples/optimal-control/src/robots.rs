@@ -1,5 +1,5 @@
 //! The robots of the examples: a fixed arm of seven joints, the arm with a load and with the description's damping, and
-//! a floating quadruped with contacts at all feet, or at those of a stance.
+//! floating quadrupeds with contacts at four feet, and at the two feet of each stance of a trot.
 
 modyn::modyn! {
     pub(crate) Arm = "../../robots/arm7.urdf",

@@ -431,7 +431,7 @@ mod tests {
     type Dynamics =
         modyn::ConstrainedForwardDynamics<[f64; NV], [Wrench<f64>; 4], [modyn::Twist<f64>; 4], f64>;
 
-    /// Returns the dynamics of the quadruped with all contacts, of which those of a stage are active.
+    /// Returns the dynamics of the quadruped with four contacts, of which the standing feet's are active.
     fn masked_dynamics(stage: &Stage, x: &State<Quadruped>, u: &[f64; MOTORS]) -> Dynamics {
         let [front_left, front_right, hind_left, hind_right] = stage.stance;
         let active = QuadrupedContacts { front_left, front_right, hind_left, hind_right };
@@ -476,9 +476,9 @@ mod tests {
             check_derivatives(&problem, k, &x, &u);
             let expected =
                 x.semi_implicit_euler(DT, |_| masked_dynamics(&problem.stages[k], &x, &u).qdd);
-            let found = problem.step(k, &x, &u).next;
-            for (found, expected) in found.qd.iter().zip(expected.qd) {
-                assert!((found - expected).abs() < 1e-9, "step {k}: {found} {expected}");
+            let next = problem.step(k, &x, &u).next;
+            for (velocity, expected) in next.qd.iter().zip(expected.qd) {
+                assert!((velocity - expected).abs() < 1e-9, "step {k}: {velocity} {expected}");
             }
         }
     }

@@ -269,11 +269,8 @@ fn print(robot: &PlannedRobot<'_>, language: GpuLanguage) -> String {
 /// The name of the kernel in the text of a function of arrays.
 const ROWS_KERNEL: &str = "modyn_rows";
 
-/// Returns the CUDA text of a function of arrays, planned for threads: a kernel `modyn_rows` on
-/// arrays with a row of numbers for each state. Its parameters are the arguments, the results, the
-/// numbers `every`, `rows` and `stride` of each argument, and the number of states. The argument of
-/// state `i` is row `i / every % rows` of its array, whose rows are `stride` numbers apart.
-/// `lengths` are the numbers of a row of each argument and of each result.
+/// Returns the CUDA text of a function of arrays, planned for threads, as
+/// [`Builder::emit_rows`](crate::Builder::emit_rows) documents it.
 pub(super) fn print_rows(planned: &Planned, lengths: [&[usize]; 2], float: FloatType) -> String {
     let [arguments, results] = lengths;
     let (program, _) = planned.kernels.straight().expect("a function of arrays has one program");
