@@ -221,6 +221,7 @@ def _devices() -> list[int]:
 
 def _on_cuda(*arrays: Any, code: Any) -> list[Any]:
     """Returns a call as a kernel that XLA starts on its stream."""
+    _kept[code.key] = code.handle
     devices = _devices()
     architectures = sorted({_cuda.driver().device(device)[0] for device in devices})
     if len(architectures) > 1:
