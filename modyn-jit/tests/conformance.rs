@@ -276,7 +276,8 @@ mod objects {
             // Code that had to be changed when it is loaded, or a stack with code, would be errors.
             let strict = ["-Wl,-z,text", "-Wl,-z,defs", "-Wl,--fatal-warnings"];
             let mut compile = new();
-            compile.args(STRICT).args(["-o", "main", "main.c"]);
+            // An optimised caller has values in registers that a call must keep.
+            compile.args(STRICT).args(["-O1", "-o", "main", "main.c"]);
             match self.link {
                 Link::Executable => compile.args(["-fPIE", "-pie", "ours.o"]).args(strict),
                 Link::Static => compile.args(["-static", "-L.", "-lours"]),

@@ -55,7 +55,7 @@ macro_rules! conformance {
 conformance! {
     of_gcc: C::gcc();
     of_clang: C::clang();
-    of_aarch64: C::aarch64();
+    of_aarch64: C::aarch64().unoptimised();
     of_rust: rust::Rust;
     of_cuda: cuda::Cuda;
     of_matlab: matlab::Matlab;
@@ -81,6 +81,6 @@ fn cpp_with_eigen() {
 #[test]
 fn c_in_single_precision() {
     kinds().iter().for_each(|case| {
-        conforms(&C::gcc(), case, FloatType::F32);
+        conforms(&C::gcc().unoptimised(), case, FloatType::F32);
     });
 }
