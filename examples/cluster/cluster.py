@@ -62,7 +62,7 @@ def main():
     if given.worlds % (count * ppo.BATCHES):
         parser.error(f"--worlds: a multiple of {count * ppo.BATCHES} is needed, {ppo.BATCHES} times the samplers")
     samplers = [Sampler.remote(given.seed * count + k, given.worlds // count) for k in range(count)]
-    learner, learn = ppo.start(jax.random.key(given.seed)), jax.jit(ppo.learn)
+    learner, learn = ppo.start(Walk(), jax.random.key(given.seed)), jax.jit(ppo.learn)
     began, returns = time.perf_counter(), []
     iterations = ppo.CHECK if given.check else round(given.steps / (given.worlds * ppo.HORIZON))
     while len(returns) <= iterations:

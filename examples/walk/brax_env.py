@@ -10,7 +10,7 @@ import jax
 import jax.numpy as jnp
 from brax.envs.base import Env, State
 from brax.training.agents.ppo import networks, train
-from environment import ACTIONS, ACTOR, CRITIC, EPISODE, Walk
+from environment import EPISODE, Walk
 
 
 class WalkBrax(Env):
@@ -35,7 +35,7 @@ class WalkBrax(Env):
         world = self._world(index)
         state = self.environment.reset(first, world)
         zero = jnp.zeros(())
-        rewards = jax.eval_shape(self.environment.step, world, state, jnp.zeros((1, ACTIONS)), first).rewards
+        rewards = jax.eval_shape(self.environment.step, world, state, jnp.zeros((1, self.action_size)), first).rewards
         metrics = {name: zero for name in rewards}
         return State(state, self._observe(world, state, noise), zero, zero, metrics, {"key": own, "world": index})
 
@@ -54,11 +54,11 @@ class WalkBrax(Env):
 
     @property
     def observation_size(self):
-        return {"state": (ACTOR,), "privileged_state": (CRITIC,)}
+        return {"state": (self.environment.actor,), "privileged_state": (self.environment.critic,)}
 
     @property
     def action_size(self):
-        return ACTIONS
+        return self.environment.actions
 
     @property
     def backend(self):

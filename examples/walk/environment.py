@@ -1,11 +1,10 @@
-"""A quadruped that learns to walk: many worlds as functions of JAX on modyn's steps. The leading axis counts worlds.
+"""A robot that learns to walk: many worlds as functions of JAX on modyn's steps. The leading axis counts worlds.
 
 The methods `worlds`, `reset`, `step` and `observe` of `Walk` keep no state, so JAX can compile and scan them.
 """
 
 import warnings
 from dataclasses import replace
-from pathlib import Path
 from typing import NamedTuple
 
 import jax
@@ -13,48 +12,18 @@ import jax.numpy as jnp
 import modyn
 import modyn.jax
 import numpy as np
+from tasks import COMMANDS, QUADRUPED
 
-ROBOT = Path(__file__).resolve().parent / "quadruped.xml"
-FEET = [f"{end}_{side}_foot" for end in ("front", "hind") for side in ("left", "right")]
 #: The time between two actions, s, and the steps of the simulation in it.
 CONTROL, STEPS = 0.02, 5
 #: The tolerance of the solver in training, relative to the weight and the largest force. The default is 1e-4.
 TOLERANCE = 5e-3
-#: The radius of a foot, m.
-RADIUS = 0.016
-#: The offset of the targets from the posture for an action of 1, rad; the height of the trunk (m) that is rewarded.
-ACTION, HEIGHT = 0.4, 0.24
-#: The frequency of the trot (Hz), the part of its period at which each foot begins to swing, and how high a foot is lifted (m).
-FREQUENCY, LIFT = 2.5, 0.045
-TROT = np.array([0.0, 0.5, 0.5, 0.0])
 #: In control steps: an episode, the time of a command, and the time between two pushes.
 EPISODE, COMMAND, PUSH = 500, 200, 100
-#: The commands: the velocities forwards and to the left (m/s), and the turning rate (rad/s).
-COMMANDS = np.array([[-0.5, -0.3, -0.8], [1.0, 0.3, 0.8]])
-#: The commands of an evaluation.
-ASKED = [(0, 0, 0), (0.5, 0, 0), (0.7, 0, 0), (1.0, 0, 0), (-0.4, 0, 0), (0, 0.25, 0), (0, 0, 0.6), (0.5, 0, 0.6)]
-#: What each reward counts, per second.
-REWARDS = {
-    "tracking_lin_vel": 3.0,
-    "tracking_ang_vel": 1.2,
-    "gait": 2.0,
-    "feet_clearance": 0.8,
-    "alive": 0.3,
-    "lin_vel_z": -1.0,
-    "ang_vel_xy": -0.05,
-    "orientation": -4.0,
-    "base_height": -100.0,
-    "torques": -0.02,
-    "action_rate": -0.03,
-    "pose": -0.8,
-    "feet_slip": -0.3,
-}
-#: The sizes of an observation of the actor, of the critic, and of an action.
-ACTOR, CRITIC, ACTIONS = 47, 61, 12
 
 
 class Feet(NamedTuple):
-    """The heights of the feet above the ground, (..., 4), m; their velocities along it, (..., 4, 2), m/s; their forces on it, N."""
+    """The heights of the feet above the ground, (..., feet), m; their velocities along it, (..., feet, 2), m/s; their forces on it, N."""
 
     heights: jax.Array
     velocities: jax.Array
@@ -70,7 +39,7 @@ class State(NamedTuple):
     feet: Feet
     command: jax.Array
     action: jax.Array
-    #: the part of the trot's period that has passed
+    #: the part of the gait's period that has passed
     phase: jax.Array
     #: the control steps since the episode began
     time: jax.Array
@@ -125,17 +94,33 @@ def down(q):
 class Walk:
     """The task: to walk at a commanded velocity."""
 
-    def __init__(self, robot=ROBOT, scalar="f32", randomize=True):
+    def __init__(self, task=QUADRUPED, scalar="f32", randomize=True):
+        self.task, self.randomize = task, randomize
         with warnings.catch_warnings():
             # The friction of the joints acts in steps only, as it should here.
             warnings.simplefilter("ignore", modyn.DescriptionWarning)
-            self.robot = modyn.load(robot, scalar=scalar, payload=["trunk"])
-        self.dt, self.randomize = self.robot.time_step, randomize
+            self.robot = modyn.load(task.robot, scalar=scalar, payload=[task.trunk])
+        self.dt = self.robot.time_step
         self.stand = jnp.asarray(self.robot.keyframe("stand").q, self.robot.dtype)
         self.motion = modyn.jax.rollout(self.robot, step="actuated")
         self.actuate = modyn.jax.function(self.robot, "actuate")
-        self.poses = [modyn.jax.function(self.robot, "link_pose", foot) for foot in FEET]
-        self.velocities = [modyn.jax.function(self.robot, "link_velocity", foot) for foot in FEET]
+        self.poses = [modyn.jax.function(self.robot, "link_pose", foot) for foot in task.feet]
+        self.velocities = [modyn.jax.function(self.robot, "link_velocity", foot) for foot in task.feet]
+
+    @property
+    def actions(self):
+        """The number of actuators that the policy moves."""
+        return len(self.task.posture)
+
+    @property
+    def actor(self):
+        """The number of values that the actor observes."""
+        return 11 + 2 * (self.robot.nv - 6) + self.actions
+
+    @property
+    def critic(self):
+        """The number of values that the critic observes."""
+        return self.actor + 6 + 2 * len(self.task.feet)
 
     def worlds(self, seed, count, starts=4096):
         """Returns worlds that differ in friction, softness of the ground, load and delay, unless `randomize` is false."""
@@ -144,27 +129,27 @@ class Walk:
         solref, delay = np.tile([0.02, 1.0], (count, 1)), np.zeros(count, int)
         if self.randomize:
             friction, solref[:, 0] = rng.uniform(0.4, 1.0, count), rng.uniform(0.008, 0.03, count)
-            payload[:, :3] = rng.uniform([0, -0.03, -0.03], [0.4, 0.03, 0.03], (count, 3))
+            payload[:, :3] = self.task.load * rng.uniform([0, -0.075, -0.075], [1, 0.075, 0.075], (count, 3))
             delay = rng.integers(0, 4, count)
         settings = self.robot.step_settings()
         surfaces = [replace(surface, friction=friction, solref=solref) for surface in settings.surfaces]
         q = np.zeros((starts, 1)) + np.asarray(self.stand)
         yaw = rng.uniform(-np.pi, np.pi, starts) / 2
         q[:, 5], q[:, 6] = np.sin(yaw), np.cos(yaw)
-        q[:, 7:] += rng.uniform(-0.1, 0.1, (starts, 12))
+        q[:, 7:] += rng.uniform(-0.1, 0.1, q[:, 7:].shape)
         array = lambda x: jnp.asarray(x, self.stand.dtype)
-        begins = jax.jit(self.start)(array(q), array(rng.uniform(-0.2, 0.2, (starts, 18))))
+        begins = jax.jit(self.start)(array(q), array(rng.uniform(-0.2, 0.2, (starts, self.robot.nv))))
         settings = replace(settings, surfaces=surfaces, tolerance=TOLERANCE if self.randomize else None)
         return Worlds(array(settings), array(friction), array(payload), jnp.asarray(delay), begins)
 
     def start(self, q, qd):
         """Returns states that begin at coordinates and velocities, with a command to stand."""
         zeros = lambda *shape: jnp.zeros((len(q), *shape), q.dtype)
-        feet = self.feet(q, qd, zeros(4))
-        return State(q, qd, jnp.zeros_like(qd), feet, zeros(3), zeros(12), zeros(), jnp.zeros(len(q), int))
+        feet = self.feet(q, qd, zeros(len(self.task.feet)))
+        return State(q, qd, jnp.zeros_like(qd), feet, zeros(3), zeros(self.actions), zeros(), jnp.zeros(len(q), int))
 
     def feet(self, q, qd, forces):
-        heights = jnp.stack([pose(q).translation[..., 2] for pose in self.poses], -1) - RADIUS
+        heights = jnp.stack([pose(q).translation[..., 2] for pose in self.poses], -1) - self.task.sole
         return Feet(heights, jnp.stack([velocity(q, qd)[..., :2] for velocity in self.velocities], -2), forces)
 
     def reset(self, key, worlds):
@@ -181,63 +166,81 @@ class Walk:
         low, high = jnp.asarray(COMMANDS, self.stand.dtype)
         return jax.random.uniform(velocity, (count, 3), low.dtype, low, high) * (jax.random.uniform(walks, (count, 1)) > 0.1)
 
+    def gait(self, phase):
+        """Returns how high each foot should be lifted, from 0 to 1, and how far ahead it should be, from -1 to 1: (..., feet) each."""
+        part = (phase[:, None] + jnp.array(self.task.phases)) % 1
+        swing, stance = part / self.task.swing, (part - self.task.swing) / (1 - self.task.swing)
+        swings = swing < 1
+        return jnp.where(swings, jnp.sin(jnp.pi * swing) ** 2, 0), jnp.where(swings, -jnp.cos(jnp.pi * swing), jnp.cos(jnp.pi * stance))
+
+    def targets(self, phase, command, action):
+        """Returns the targets of all actuators for an action."""
+        lifted, ahead = (x[..., None] for x in self.gait(phase))
+        stride = command[:, None] @ jnp.array(self.task.stride)
+        offsets = (lifted * jnp.array(self.task.lifted) + ahead * stride).reshape(action.shape) + self.task.action * action
+        return self.stand[7:] + jnp.pad(offsets, ((0, 0), (0, self.robot.nv - 6 - self.actions)))
+
     def advance(self, worlds, state, action):
-        """Returns the states after an action of CONTROL seconds, and which feet are on the ground after each step, (..., STEPS, 4)."""
-        target = lambda action: self.stand[7:] + ACTION * action
+        """Returns the states after an action of CONTROL seconds, and which feet are on the ground after each step, (..., STEPS, feet)."""
         acts = (jnp.arange(STEPS) >= worlds.delay[:, None])[..., None]
-        controls = jnp.where(acts, target(action)[:, None], target(state.action)[:, None])
-        own = {"settings": worlds.settings, "parameters": {"payload": {"trunk": worlds.payload}}}
+        new = self.targets(state.phase, state.command, action)
+        old = self.targets(state.phase - self.task.frequency * CONTROL, state.command, state.action)
+        controls = jnp.where(acts, new[:, None], old[:, None])
+        own = {"settings": worlds.settings, "parameters": {"payload": {self.task.trunk: worlds.payload}}}
         motion = self.motion(state.q, state.qd, controls, self.dt, warm_start=state.qdd, **own)
         q, qd, qdd = (x[:, -1] for x in (motion.q, motion.qd, motion.qdd))
-        forces = motion.forces[..., 2]
+        # The points that touch the ground are in the order of the feet.
+        forces = motion.forces[..., 2].reshape(len(q), STEPS, len(self.task.feet), -1).sum(-1)
         after = state._replace(
             q=q, qd=qd, qdd=qdd, feet=self.feet(q, qd, forces[:, -1]), action=action,
-            phase=(state.phase + FREQUENCY * CONTROL) % 1, time=state.time + 1,
+            phase=(state.phase + self.task.frequency * CONTROL) % 1, time=state.time + 1,
         )
         return after, forces > 0
 
     def observe(self, worlds, state, key=None):
         """Returns the observations. If there is a key, the actor's has noise."""
         clock = 2 * jnp.pi * state.phase[:, None]
+        joints = self.robot.nv - 6
         measured = [state.qd[:, 3:6], down(state.q), state.q[:, 7:] - self.stand[7:], state.qd[:, 6:]]
         known = [state.command, state.action, jnp.sin(clock), jnp.cos(clock)]
         joined = lambda turn, down, angles, rates: jnp.concatenate([turn * 0.25, down, angles, rates * 0.05, *known], -1)
         exact = noisy = joined(*measured)
         if key is not None:
-            noise = jnp.concatenate([jnp.full(n, scale) for n, scale in ((3, 0.05), (3, 0.03), (12, 0.02), (12, 0.05), (17, 0.0))])
+            scales = (3, 0.05), (3, 0.03), (joints, 0.02), (joints, 0.05), (self.actions + 5, 0.0)
+            noise = jnp.concatenate([jnp.full(count, scale) for count, scale in scales])
             noisy = exact + noise * jax.random.uniform(key, exact.shape, minval=-1, maxval=1)
         hidden = [
             state.qd[:, :3], state.feet.forces > 0, state.feet.heights * 10, worlds.friction[:, None], worlds.payload[:, :1],
-            (state.q[:, 2:3] - HEIGHT) * 10,
+            (state.q[:, 2:3] - self.task.height) * 10,
         ]
         return Observation(noisy, jnp.concatenate([exact, *hidden], -1))
 
     def rewards(self, before, state, touched):
         """Returns the rewards of a control step by name."""
+        task = self.task
         # The wide kernel shows a robot that stands which way to go, the narrow one makes it exact.
-        tracking = lambda error: 0.2 * jnp.exp(-error / 0.5) + 0.8 * jnp.exp(-error / 0.05)
-        leg = (before.phase[:, None] + FREQUENCY * CONTROL + TROT) % 1
-        swings = leg < 0.5
-        lifted = jnp.where(swings, LIFT * jnp.sin(2 * jnp.pi * leg) ** 2, 0.0)
-        torques = self.actuate(state.q, state.qd, self.stand[7:] + ACTION * state.action, self.dt).tau[..., 6:]
+        tracking = lambda error: (1 - task.exact) * jnp.exp(-error / 0.5) + task.exact * jnp.exp(-error / 0.05)
+        lifts, _ = self.gait(before.phase + task.frequency * CONTROL)
+        swings = lifts > 0
+        torques = self.actuate(state.q, state.qd, self.targets(before.phase, before.command, state.action), self.dt).tau[..., 6:]
         linear, angular, feet = state.qd[:, :3], state.qd[:, 3:6], state.feet
         on_ground = feet.forces > 0
         rewards = {
             "tracking_lin_vel": tracking(square(linear[:, :2] - state.command[:, :2])),
             "tracking_ang_vel": tracking((angular[:, 2] - state.command[:, 2]) ** 2),
             "gait": jnp.where(swings, 1 - touched, touched).mean(-1),
-            "feet_clearance": jnp.where(swings, jnp.exp(-((feet.heights - lifted) ** 2) / 0.0005), 1.0).mean(-1),
-            "alive": jnp.ones(len(leg)),
+            "feet_clearance": jnp.where(swings, jnp.exp(-((feet.heights / task.lift - lifts) ** 2) * 4), 1.0).mean(-1),
+            "alive": jnp.ones(len(swings)),
             "lin_vel_z": linear[:, 2] ** 2,
             "ang_vel_xy": square(angular[:, :2]),
             "orientation": square(down(state.q)[:, :2]),
-            "base_height": (state.q[:, 2] - HEIGHT) ** 2,
+            "base_height": (state.q[:, 2] - self.task.height) ** 2,
             "torques": square(torques),
             "action_rate": square(state.action - before.action),
-            "pose": square((state.q[:, 7:] - self.stand[7:]) * jnp.array([1.0, 0.3, 0.3] * 4)),
+            "pose": square((state.q - self.stand)[:, 7 : 7 + self.actions] * jnp.array(task.posture)),
             "feet_slip": (on_ground * square(feet.velocities)).sum(-1),
         }
-        return {name: REWARDS[name] * value for name, value in rewards.items()}
+        return {name: task.rewards[name] * value for name, value in rewards.items()}
 
     def step(self, worlds, state, action, key):
         """Returns what follows actions of one control step. Episodes that end begin again."""
@@ -246,7 +249,7 @@ class Walk:
         after, touched = self.advance(worlds, state, action)
         rewards = self.rewards(state, after, touched.mean(1))
         broken = ~jnp.isfinite(after.q).all(-1) | (jnp.abs(after.qd[:, :6]) > 30).any(-1)
-        fell = (down(after.q)[:, 2] > -0.6) | (after.q[:, 2] < 0.12) | broken
+        fell = (down(after.q)[:, 2] > -0.6) | (after.q[:, 2] < self.task.fallen) | broken
         reward = jnp.where(fell, -1.0, CONTROL * jnp.maximum(sum(rewards.values()), 0))
         new_command = (after.time % COMMAND == 0)[:, None]
         pushed = (after.time % PUSH == PUSH // 2)[:, None] if self.randomize else False

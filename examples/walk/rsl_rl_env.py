@@ -9,7 +9,7 @@ import argparse
 import jax
 import jax.numpy as jnp
 import torch
-from environment import ACTIONS, CONTROL, EPISODE, Walk
+from environment import EPISODE, Walk
 from rsl_rl.env import VecEnv
 from rsl_rl.runners import OnPolicyRunner
 from tensordict import TensorDict
@@ -29,8 +29,8 @@ class WalkRslRl(VecEnv):
     """Worlds whose episodes begin again in the step in which they end. The tensors share the memory of JAX's arrays."""
 
     def __init__(self, num_envs=1024, seed=0):
-        self.num_envs, self.num_actions, self.max_episode_length = num_envs, ACTIONS, EPISODE
         self.device, self.cfg, self.environment = "cpu", {}, Walk()
+        self.num_envs, self.num_actions, self.max_episode_length = num_envs, self.environment.actions, EPISODE
         self._worlds, self._key = self.environment.worlds(seed, num_envs), jax.random.key(seed)
         self._state = jax.jit(self.environment.reset)(self._key, self._worlds)
         self._observe, self._step = jax.jit(self.environment.observe), jax.jit(self.environment.step)

@@ -1,4 +1,4 @@
-"""Trains the quadruped to walk by PPO (Schulman et al. 2017), with one compiled program per iteration.
+"""Trains a robot to walk by PPO (Schulman et al. 2017), with one compiled program per iteration.
 
     python examples/walk/train.py --steps 30e6 --out policy.npz
     python examples/walk/train.py --check          # a short training, whose return has to rise
@@ -13,13 +13,14 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import optax
-from environment import ACTIONS, ACTOR, CONTROL, CRITIC, EPISODE, Observation, State, Walk, Worlds
+from environment import CONTROL, EPISODE, Observation, State, Walk, Worlds
+from tasks import TASKS
 
 #: The steps of each world and the passes over them in an iteration; the parts of a pass.
-HORIZON, PASSES, BATCHES = 24, 2, 4
+HORIZON, PASSES, BATCHES = 24, 4, 4
 DISCOUNT, TRACE, CLIP, ENTROPY = 0.98, 0.95, 0.2, 0.004
 #: The change of the policy (Kullback-Leibler divergence) that the learning rate is to give.
-DIVERGENCE = 0.01
+DIVERGENCE = 0.02
 #: The iterations of a check.
 CHECK = 40
 #: The sizes of the layers of both networks.
@@ -96,11 +97,12 @@ def log_probability(mean, log_std, action):
     return -(0.5 * ((action - mean) / jnp.exp(log_std)) ** 2 + log_std + 0.5 * np.log(2 * np.pi)).sum(-1)
 
 
-def start(key):
+def start(environment, key):
     """Returns a learner that knows nothing."""
     actor_key, critic_key, key = jax.random.split(key, 3)
-    actor, critic = network(actor_key, (ACTOR, *HIDDEN, ACTIONS), 0.01), network(critic_key, (CRITIC, *HIDDEN, 1), 1.0)
-    policy = Policy(actor, jnp.full(ACTIONS, -0.7), critic)
+    actor = network(actor_key, (environment.actor, *HIDDEN, environment.actions), 0.01)
+    critic = network(critic_key, (environment.critic, *HIDDEN, 1), 1.0)
+    policy = Policy(actor, jnp.full(environment.actions, -0.7), critic)
     return Learner(policy, OPTIMIZER.init(policy), jnp.float32(1e-3), key)
 
 
@@ -214,13 +216,14 @@ def check(returns):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--task", choices=TASKS, default="quadruped")
     parser.add_argument("--steps", type=float, default=30e6, help="the control steps of all worlds together")
     parser.add_argument("--worlds", type=int, default=1024)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--out", default="policy.npz", help="the file of the policy")
     parser.add_argument("--check", action="store_true", help="fail if the return of a short training does not rise")
     given = parser.parse_args()
-    environment = Walk()
+    environment = Walk(TASKS[given.task])
 
     @jax.jit
     def iterate(learner, episodes):
@@ -231,7 +234,7 @@ def main():
     learner_key, episodes_key = jax.random.split(jax.random.key(given.seed))
     worlds = environment.worlds(given.seed, given.worlds)
     episodes = jax.jit(lambda key, worlds: begin(environment, key, worlds))(episodes_key, worlds)
-    learner, episodes, progress = jax.block_until_ready(iterate(start(learner_key), episodes))
+    learner, episodes, progress = jax.block_until_ready(iterate(start(environment, learner_key), episodes))
     print(f"compiled in {time.perf_counter() - began:.1f} s", flush=True)
     began, returns = time.perf_counter(), [float(progress.returns)]
     iterations = CHECK if given.check else round(given.steps / (given.worlds * HORIZON))

@@ -8,7 +8,7 @@ import time
 import gymnasium
 import jax
 import numpy as np
-from environment import ACTIONS, ACTOR, Walk
+from environment import Walk
 
 
 class WalkVector(gymnasium.vector.VectorEnv):
@@ -19,7 +19,7 @@ class WalkVector(gymnasium.vector.VectorEnv):
     def __init__(self, num_envs=1024):
         self.num_envs, self.environment = num_envs, Walk()
         box = lambda count: gymnasium.spaces.Box(-np.inf, np.inf, (count,), np.float32)
-        self.single_observation_space, self.single_action_space = box(ACTOR), box(ACTIONS)
+        self.single_observation_space, self.single_action_space = box(self.environment.actor), box(self.environment.actions)
         self.observation_space = gymnasium.vector.utils.batch_space(self.single_observation_space, num_envs)
         self.action_space = gymnasium.vector.utils.batch_space(self.single_action_space, num_envs)
         self._reset, self._step = jax.jit(self._first), jax.jit(self._after)
@@ -53,7 +53,7 @@ class WalkVector(gymnasium.vector.VectorEnv):
 if __name__ == "__main__":
     walk = WalkVector()
     walk.reset(seed=0)
-    actions = [0.3 * np.random.default_rng(k).normal(size=(walk.num_envs, ACTIONS)) for k in range(4)]
+    actions = [0.3 * np.random.default_rng(k).normal(size=walk.action_space.shape) for k in range(4)]
     walk.step(actions[0])
     began = time.perf_counter()
     for k in range(100):

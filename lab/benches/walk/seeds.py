@@ -19,7 +19,8 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import train as ppo
-from environment import ASKED, CONTROL, Walk
+from environment import CONTROL, Walk
+from tasks import ASKED, TASKS
 
 #: The share of a command, and what is allowed where 0 is asked, m/s and rad/s.
 SHARE, STILL = 0.15, 0.05
@@ -27,9 +28,9 @@ SHARE, STILL = 0.15, 0.05
 BETWEEN, SECONDS = 20, 8.0
 
 
-def evaluation():
+def evaluation(task):
     """Returns a function of a policy: the largest error of a command, relative to what is allowed; infinite after a fall."""
-    environment = Walk(randomize=False)
+    environment = Walk(task, randomize=False)
     worlds = environment.worlds(0, len(ASKED))
     command = jnp.array(ASKED, jnp.float32)
     q = jnp.tile(environment.stand, (len(ASKED), 1))
@@ -47,20 +48,22 @@ def evaluation():
         mean = qd[len(qd) // 3 :].mean(0)
         speed = jnp.linalg.norm(mean[:, :2] - command[:, :2], axis=-1) / allowed(jnp.linalg.norm(command[:, :2], axis=-1))
         turn = jnp.abs(mean[:, 5] - command[:, 2]) / allowed(jnp.abs(command[:, 2]))
-        return jnp.where((height > 0.12).all(), jnp.maximum(speed, turn).max(), jnp.inf)
+        return jnp.where((height > task.fallen).all(), jnp.maximum(speed, turn).max(), jnp.inf)
 
     return lambda policy: float(worst(policy))
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--task", choices=TASKS, default="quadruped")
     parser.add_argument("--seeds", type=int, default=5)
     parser.add_argument("--steps", type=float, default=40e6, help="the control steps of all worlds together")
     parser.add_argument("--worlds", type=int, default=1024)
     parser.add_argument("--out", type=Path, default=Path("policies"), help="the folder of the policies")
     given = parser.parse_args()
     given.out.mkdir(exist_ok=True)
-    environment, worst = Walk(), evaluation()
+    task = TASKS[given.task]
+    environment, worst = Walk(task), evaluation(task)
 
     @jax.jit
     def iterate(learner, episodes):
@@ -71,7 +74,7 @@ def main():
     print("|---|---|---|---|---|")
     for seed in range(given.seeds):
         learner_key, episodes_key = jax.random.split(jax.random.key(seed))
-        learner, worlds = ppo.start(learner_key), environment.worlds(seed, given.worlds)
+        learner, worlds = ppo.start(environment, learner_key), environment.worlds(seed, given.worlds)
         episodes = jax.jit(lambda key, worlds: ppo.begin(environment, key, worlds))(episodes_key, worlds)
         if seed == 0:
             # Compiled for the types of the first values and for those of later ones.
