@@ -3,8 +3,7 @@
 //! (63) as printed lacks a minus sign on both lines. With the minus sign the repeatability conditions (62) hold; x_h,
 //! y_h there are x_0, y_0 of (61).
 
-use modyn_runtime::Scalar;
-use modyn_runtime::num_dual::Dual2_64;
+use num_dual::{Dual2_64, DualNum as _};
 
 /// Duration T of a step, s.
 pub const DURATION: f64 = 1.0;
@@ -63,7 +62,7 @@ pub fn trunk(t: f64) -> [Moving; 3] {
         Moving::new(x, start * w * sinh + velocity * cosh, w * w * x)
     };
     let [vx, vy] = start_velocity();
-    [along(START[0], vx), along(START[1], vy), Moving::from_f64(HEIGHT)]
+    [along(START[0], vx), along(START[1], vy), Moving::from_re(HEIGHT)]
 }
 
 /// Returns the position of the swing foot's ankle, (64). The paper leaves its y open; here the feet have the same
@@ -75,29 +74,29 @@ pub fn swing_ankle(t: f64) -> [Moving; 3] {
         let (sin, cos) = (k * t).sin_cos();
         Moving::new(-size * cos, size * k * sin, size * k * k * cos)
     };
-    let z = wave(LIFT / 2.0, 2.0 * k) + Moving::from_f64(LIFT / 2.0);
-    [wave(STRIDE / 2.0, k), Moving::from_f64(2.0 * START[1]), z]
+    let z = wave(LIFT / 2.0, 2.0 * k) + Moving::from_re(LIFT / 2.0);
+    [wave(STRIDE / 2.0, k), Moving::from_re(2.0 * START[1]), z]
 }
 
 /// The joint angles of a leg between two points, its ankle and its hip.
 #[derive(Clone, Copy, Debug)]
-pub struct Leg<S> {
+pub struct Leg {
     /// The rotation of shank and thigh about x.
-    pub roll: S,
+    pub roll: Moving,
     /// The following rotation of the shank about y.
-    pub shank: S,
+    pub shank: Moving,
     /// The rotation of the thigh relative to the shank about y; the knee points forwards.
-    pub knee: S,
+    pub knee: Moving,
 }
 
 /// Returns the angles of the leg whose hip is at `d` from its ankle.
 #[must_use]
-pub fn leg<S: Scalar>([x, y, z]: [S; 3]) -> Leg<S> {
+pub fn leg([x, y, z]: [Moving; 3]) -> Leg {
     let upright = (y * y + z * z).sqrt();
     let roll = (-y).atan2(z);
     // Both limbs have the same length: the cosine of half the knee's angle is distance / (2 limb).
-    let cos = (x * x + upright * upright).sqrt() * S::from_f64(0.5 / LIMB);
-    let half = (S::one() - cos * cos).sqrt().atan2(cos);
+    let cos = (x * x + upright * upright).sqrt() * (0.5 / LIMB);
+    let half = (Moving::from_re(1.0) - cos * cos).sqrt().atan2(cos);
     Leg { roll, shank: x.atan2(upright) + half, knee: -(half + half) }
 }
 
@@ -105,8 +104,8 @@ pub fn leg<S: Scalar>([x, y, z]: [S; 3]) -> Leg<S> {
 #[must_use]
 pub fn desired(t: f64) -> Posture {
     let [x, y, z] = trunk(t);
-    let down = z - Moving::from_f64(HIPS);
-    let side = Moving::from_f64(HALF_WIDTH);
+    let down = z - Moving::from_re(HIPS);
+    let side = Moving::from_re(HALF_WIDTH);
     let [ax, ay, az] = swing_ankle(t);
     let stance = leg([x, y - side, down]);
     let swing = leg([x - ax, y + side - ay, down - az]);

@@ -1,11 +1,11 @@
 //! Closed loops (Conclusions of the paper: cut joints): compiled results equal interpreted ones, through the type's own
-//! functions, the trait and nalgebra's types.
+//! functions and the trait.
 
 use modyn::equations::constraints::{ConstrainedOutputs, ProjectionOutputs, ResidualOutputs};
 use modyn::equations::{self, ForwardInput};
 use modyn::simulate::State;
 use modyn::spatial::{Twist, Wrench};
-use modyn::{ConstraintSettings, ContactTarget, Interpreter, Nalgebra, Robot, functions};
+use modyn::{ConstraintSettings, ContactTarget, Interpreter, Robot, functions};
 
 modyn::modyn!("../../../robots/four_bar.urdf");
 modyn::modyn!("mechanisms/rotated_four_bar.urdf");
@@ -55,11 +55,6 @@ where
     assert_near(&numbers(&found.wrenches), &numbers(&wrenches));
     assert_near(&found.residuals[0].components(), &residuals[0].components());
     assert_eq!(found.rank, rank);
-    let vectors = [q, qd, tau].map(modyn::na::SVector::from);
-    let [x, v, torque] = &vectors;
-    let again = Nalgebra::<R>::constrained_forward_dynamics(x, v, torque, (), &settings);
-    assert_eq!((again.qdd.as_slice(), again.wrenches), (&found.qdd[..], found.wrenches));
-    assert_eq!((again.residuals, again.rank), (found.residuals, found.rank));
 
     let (mut displacements, mut velocities) = ([Twist::zero()], [Twist::zero()]);
     interpreter
@@ -72,7 +67,6 @@ where
     let found = R::constraint_residual(&q, &qd, &settings);
     assert_near(&found.displacements[0].components(), &displacements[0].components());
     assert_near(&found.velocities[0].components(), &velocities[0].components());
-    assert_eq!(Nalgebra::<R>::constraint_residual(x, v, &settings), found);
 
     let (mut dq, mut dqd) = ([0.0; N], [0.0; N]);
     let into = ProjectionOutputs { step_q: &mut dq, step_qd: &mut dqd };
@@ -83,11 +77,6 @@ where
     assert_near(&found.step_q, &dq);
     assert_near(&found.step_qd, &dqd);
     assert_eq!(found.rank, rank);
-    let again = Nalgebra::<R>::project_constraints(x, v, (), &settings);
-    assert_eq!(
-        (again.step_q.as_slice(), again.step_qd.as_slice()),
-        (&found.step_q[..], &found.step_qd[..])
-    );
 }
 
 fn read(text: &str, options: &modyn_codegen::ReadOptions) -> modyn::model::Model {

@@ -3,6 +3,7 @@
 
 mod batch;
 mod configuration;
+mod constraint_vectors;
 mod contact_batch;
 mod embedded_model;
 mod fused;
