@@ -21,10 +21,10 @@ def test_there_are_notebooks():
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
 def test_a_notebook_runs(path, monkeypatch):
     """The cells have assertions of their own."""
-    if path.stem == "learning":
+    cells = code(path)
+    if any("import jax\n" in text for text in cells):
         pytest.importorskip("jax", reason="JAX is not installed: pip install modyn[jax]")
     monkeypatch.chdir(path.parent)
-    cells = code(path)
     session = {}
     for number, text in enumerate(cells):
         exec(compile(text, f"{path.name}, cell of code {number}", "exec"), session)
