@@ -22,6 +22,13 @@ TOLERANCE = 5e-3
 EPISODE, COMMAND, PUSH = 500, 200, 100
 
 
+class Gait(NamedTuple):
+    """How high each foot should be, from 0 on the ground to 1, and how far ahead of the hip, from -1 to 1: (..., feet) each."""
+
+    lift: jax.Array
+    ahead: jax.Array
+
+
 class Feet(NamedTuple):
     """The heights of the feet above the ground, (..., feet), m; their velocities along it, (..., feet, 2), m/s; their forces on it, N."""
 
@@ -167,17 +174,18 @@ class Walk:
         return jax.random.uniform(velocity, (count, 3), low.dtype, low, high) * (jax.random.uniform(walks, (count, 1)) > 0.1)
 
     def gait(self, phase):
-        """Returns how high each foot should be lifted, from 0 to 1, and how far ahead it should be, from -1 to 1: (..., feet) each."""
+        """Returns where the feet should be: each swings, then stands."""
         part = (phase[:, None] + jnp.array(self.task.phases)) % 1
         swing, stance = part / self.task.swing, (part - self.task.swing) / (1 - self.task.swing)
-        swings = swing < 1
-        return jnp.where(swings, jnp.sin(jnp.pi * swing) ** 2, 0), jnp.where(swings, -jnp.cos(jnp.pi * swing), jnp.cos(jnp.pi * stance))
+        lift = jnp.where(swing < 1, jnp.sin(jnp.pi * swing) ** 2, 0)
+        return Gait(lift, jnp.where(swing < 1, -jnp.cos(jnp.pi * swing), jnp.cos(jnp.pi * stance)))
 
     def targets(self, phase, command, action):
         """Returns the targets of all actuators for an action."""
-        lifted, ahead = (x[..., None] for x in self.gait(phase))
-        stride = command[:, None] @ jnp.array(self.task.stride)
-        offsets = (lifted * jnp.array(self.task.lifted) + ahead * stride).reshape(action.shape) + self.task.action * action
+        gait = self.gait(phase)
+        lifted = gait.lift[..., None] * jnp.array(self.task.lifted)
+        ahead = gait.ahead[..., None] * (command[:, None] @ jnp.array(self.task.stride))
+        offsets = (lifted + ahead).reshape(action.shape) + self.task.action * action
         return self.stand[7:] + jnp.pad(offsets, ((0, 0), (0, self.robot.nv - 6 - self.actions)))
 
     def advance(self, worlds, state, action):
@@ -220,8 +228,8 @@ class Walk:
         task = self.task
         # The wide kernel shows a robot that stands which way to go, the narrow one makes it exact.
         tracking = lambda error: (1 - task.exact) * jnp.exp(-error / 0.5) + task.exact * jnp.exp(-error / 0.05)
-        lifts, _ = self.gait(before.phase + task.frequency * CONTROL)
-        swings = lifts > 0
+        lift = self.gait(state.phase).lift
+        swings = lift > 0
         torques = self.actuate(state.q, state.qd, self.targets(before.phase, before.command, state.action), self.dt).tau[..., 6:]
         linear, angular, feet = state.qd[:, :3], state.qd[:, 3:6], state.feet
         on_ground = feet.forces > 0
@@ -229,12 +237,12 @@ class Walk:
             "tracking_lin_vel": tracking(square(linear[:, :2] - state.command[:, :2])),
             "tracking_ang_vel": tracking((angular[:, 2] - state.command[:, 2]) ** 2),
             "gait": jnp.where(swings, 1 - touched, touched).mean(-1),
-            "feet_clearance": jnp.where(swings, jnp.exp(-((feet.heights / task.lift - lifts) ** 2) * 4), 1.0).mean(-1),
+            "feet_clearance": jnp.where(swings, jnp.exp(-((feet.heights / task.lift - lift) ** 2) * 4), 1.0).mean(-1),
             "alive": jnp.ones(len(swings)),
             "lin_vel_z": linear[:, 2] ** 2,
             "ang_vel_xy": square(angular[:, :2]),
             "orientation": square(down(state.q)[:, :2]),
-            "base_height": (state.q[:, 2] - self.task.height) ** 2,
+            "base_height": (state.q[:, 2] - task.height) ** 2,
             "torques": square(torques),
             "action_rate": square(state.action - before.action),
             "pose": square((state.q - self.stand)[:, 7 : 7 + self.actions] * jnp.array(task.posture)),

@@ -36,19 +36,38 @@ class Simulation:
         q, qd = np.asarray(state.q[0]), np.asarray(state.qd[0])
         self.data.qpos[:], self.data.qvel[:] = self.theirs.to_qpos(q), self.theirs.to_qvel(q, qd)
 
+    def pushed(self):
+        """Returns the geoms on which a contact pushes."""
+        force = np.zeros((self.data.ncon, 6))
+        for k, row in enumerate(force):
+            mujoco.mj_contactForce(self.model, self.data, k, row)
+        return set(self.data.contact.geom[force[:, 0] > 0].ravel().tolist())
+
     def advance(self, state, action):
         """Returns the state after an action, and which feet touched the ground in each step, (steps, feet)."""
         self.data.ctrl[:] = self.environment.targets(state.phase, state.command, action)[0]
         touching = []
         for _ in range(STEPS):
             mujoco.mj_step(self.model, self.data)
-            touched = set(self.data.contact.geom.ravel().tolist())
-            touching.append([not foot.isdisjoint(touched) for foot in self.feet])
+            pushed = self.pushed()
+            touching.append([not foot.isdisjoint(pushed) for foot in self.feet])
         q = self.theirs.from_qpos(self.data.qpos)
         qd = self.theirs.from_qvel(q, self.data.qvel)
         phase = (state.phase + self.environment.task.frequency * CONTROL) % 1
         after = state._replace(q=q[None], qd=qd[None], action=action, phase=phase)
         return after, np.array(touching)
+
+
+def actions(environment, policy):
+    """Returns the actions of a policy, which is a file, as a function of the state."""
+    worlds, actor = environment.worlds(0, 1), load(policy)
+    return jax.jit(lambda state: output(actor, environment.observe(worlds, state).actor))
+
+
+def first(environment, command):
+    """Returns the state of a robot that stands, with a command."""
+    state = environment.start(environment.stand[None], np.zeros((1, environment.robot.nv)))
+    return state._replace(command=np.array([command], float))
 
 
 def walk(act, state, advance, seconds):
@@ -96,27 +115,22 @@ def main():
     parser.add_argument("--contacts", help="draw when each foot is on the ground in MuJoCo, a picture for Matplotlib")
     given = parser.parse_args()
     environment = Walk(TASKS[given.task], scalar="f64", randomize=False)
-    worlds, actor = environment.worlds(0, 1), load(given.policy)
-    act = jax.jit(lambda state: output(actor, environment.observe(worlds, state).actor))
+    worlds, act = environment.worlds(0, 1), actions(environment, given.policy)
     advance = jax.jit(lambda state, action: environment.advance(worlds, state, action))
-    simulation = Simulation(environment)
-
-    def first(command):
-        state = environment.start(environment.stand[None], np.zeros((1, environment.robot.nv)))
-        state = state._replace(command=np.array([command], float))
-        simulation.start(state)
-        return state
-
-    ours, _ = walk(act, first((0.5, 0, 0.3)), advance, 1.0)
-    theirs, _ = walk(act, first((0.5, 0, 0.3)), simulation.advance, 1.0)
+    simulation, begin = Simulation(environment), first(environment, (0.5, 0, 0.3))
+    simulation.start(begin)
+    ours, _ = walk(act, begin, advance, 1.0)
+    theirs, _ = walk(act, begin, simulation.advance, 1.0)
     way, error = np.linalg.norm(ours.q[-1, :2]), abs(ours.q - theirs.q).max()
     print(f"the first second in MuJoCo and in modyn: {way:.2f} m of way, coordinates differ by at most {error:.1e}\n")
     print("| asked: forwards, left (m/s), turn (rad/s) | simulator | reached | height, m | touchdowns of a foot per second | fell |")
     print("|---|---|---|---|---|---|")
     walks = {}
     for command in ASKED:
+        begin = first(environment, command)
+        simulation.start(begin)
         for name, simulator in (("modyn", advance), ("MuJoCo", simulation.advance)):
-            states, touching = walk(act, first(command), simulator, given.seconds)
+            states, touching = walk(act, begin, simulator, given.seconds)
             print(f"| {', '.join(map(str, command))} | {name} | {report(states, touching, environment.task.fallen)} |", flush=True)
         walks[command] = touching
         if given.animation and command[0] == 1.0:
