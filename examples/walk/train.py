@@ -102,7 +102,7 @@ def start(environment, key):
     actor_key, critic_key, key = jax.random.split(key, 3)
     actor = network(actor_key, (environment.actor, *HIDDEN, environment.actions), 0.01)
     critic = network(critic_key, (environment.critic, *HIDDEN, 1), 1.0)
-    policy = Policy(actor, jnp.full(environment.actions, -0.7), critic)
+    policy = Policy(actor, jnp.full(environment.actions, -0.7, jnp.float32), critic)
     return Learner(policy, OPTIMIZER.init(policy), jnp.float32(1e-3), key)
 
 
@@ -184,6 +184,25 @@ def learn(learner, sample):
     return Learner(policy, optimizer, rate, key)
 
 
+def prepare(environment, seed, count):
+    """Returns a learner that knows nothing, and the first episodes of as many worlds."""
+    learner_key, episodes_key = jax.random.split(jax.random.key(seed))
+    worlds = environment.worlds(seed, count)
+    episodes = jax.jit(lambda key, worlds: begin(environment, key, worlds))(episodes_key, worlds)
+    return start(environment, learner_key), episodes
+
+
+def iteration(environment):
+    """Returns a function of a learner and its episodes: what they are after acting and learning, and the progress."""
+
+    @jax.jit
+    def iterate(learner, episodes):
+        episodes, sample, progress = collect(environment, learner.policy, episodes)
+        return learn(learner, sample), episodes, progress
+
+    return iterate
+
+
 def save(path, policy):
     """Writes the actor."""
     layers = {f"{name}_{k}": np.asarray(x) for k, layer in enumerate(policy.actor) for name, x in layer._asdict().items()}
@@ -224,17 +243,8 @@ def main():
     parser.add_argument("--check", action="store_true", help="fail if the return of a short training does not rise")
     given = parser.parse_args()
     environment = Walk(TASKS[given.task])
-
-    @jax.jit
-    def iterate(learner, episodes):
-        episodes, sample, progress = collect(environment, learner.policy, episodes)
-        return learn(learner, sample), episodes, progress
-
-    began = time.perf_counter()
-    learner_key, episodes_key = jax.random.split(jax.random.key(given.seed))
-    worlds = environment.worlds(given.seed, given.worlds)
-    episodes = jax.jit(lambda key, worlds: begin(environment, key, worlds))(episodes_key, worlds)
-    learner, episodes, progress = jax.block_until_ready(iterate(start(environment, learner_key), episodes))
+    iterate, began = iteration(environment), time.perf_counter()
+    learner, episodes, progress = jax.block_until_ready(iterate(*prepare(environment, given.seed, given.worlds)))
     print(f"compiled in {time.perf_counter() - began:.1f} s", flush=True)
     began, returns = time.perf_counter(), [float(progress.returns)]
     iterations = CHECK if given.check else round(given.steps / (given.worlds * HORIZON))

@@ -9,7 +9,7 @@ precision, control steps of 20 ms with five simulation steps of 4 ms, twelve joi
 pyramidal friction cones. They differ in the rest:
 
 - modyn trains the robot of `examples/walk`: no joint limits; ground friction, load and delay that differ between the worlds. The
-  solver ends at `TOLERANCE` of `environment.py`. An iteration has 24 control steps of each world, 2 passes over 4 batches, and
+  solver ends at `TOLERANCE` of `environment.py`. An iteration has 24 control steps of each world, 4 passes over 4 batches, and
   networks with two layers of 128.
 - mujoco_playground trains the Go1 of its task `Go1JoystickFlatTerrain` in MJX (`impl="jax"`): joint limits; the same model in all
   worlds. The solver makes one Newton iteration, whose line search has at most five. brax's PPO has playground's parameters
@@ -46,22 +46,12 @@ def modyn(given):
     import train as ppo
     from environment import Walk
 
-    environment = Walk()
-
-    @jax.jit
-    def iterate(learner, episodes):
-        episodes, sample, _ = ppo.collect(environment, learner.policy, episodes)
-        return ppo.learn(learner, sample), episodes
-
-    began = time.perf_counter()
-    learner_key, episodes_key = jax.random.split(jax.random.key(0))
-    worlds = environment.worlds(0, given.worlds)
-    episodes = jax.jit(lambda key, worlds: ppo.begin(environment, key, worlds))(episodes_key, worlds)
-    # Compiled for the types of the first values and for those of later ones.
-    learner, episodes = jax.block_until_ready(iterate(*iterate(ppo.start(learner_key), episodes)))
+    environment, began = Walk(), time.perf_counter()
+    iterate = ppo.iteration(environment)
+    learner, episodes, _ = jax.block_until_ready(iterate(*ppo.prepare(environment, 0, given.worlds)))
     compilation, began, count = time.perf_counter() - began, time.perf_counter(), 0
     while (seconds := time.perf_counter() - began) < given.seconds:
-        learner, episodes = jax.block_until_ready(iterate(learner, episodes))
+        learner, episodes, _ = jax.block_until_ready(iterate(learner, episodes))
         count += 1
     row(f"modyn, {given.worlds} worlds", compilation, count * given.worlds * ppo.HORIZON, seconds)
 

@@ -17,7 +17,6 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "examples" / "walk"
 
 import jax
 import jax.numpy as jnp
-import numpy as np
 import train as ppo
 from environment import CONTROL, Walk
 from tasks import ASKED, TASKS
@@ -64,26 +63,18 @@ def main():
     given.out.mkdir(exist_ok=True)
     task = TASKS[given.task]
     environment, worst = Walk(task), evaluation(task)
-
-    @jax.jit
-    def iterate(learner, episodes):
-        episodes, sample, _ = ppo.collect(environment, learner.policy, episodes)
-        return ppo.learn(learner, sample), episodes
-
+    iterate = ppo.iteration(environment)
     print("| seed | follows after, s | control steps, millions | steps per second | largest error at the end, % of a command |")
     print("|---|---|---|---|---|")
     for seed in range(given.seeds):
-        learner_key, episodes_key = jax.random.split(jax.random.key(seed))
-        learner, worlds = ppo.start(environment, learner_key), environment.worlds(seed, given.worlds)
-        episodes = jax.jit(lambda key, worlds: ppo.begin(environment, key, worlds))(episodes_key, worlds)
+        learner, episodes = ppo.prepare(environment, seed, given.worlds)
         if seed == 0:
-            # Compiled for the types of the first values and for those of later ones.
-            jax.block_until_ready(iterate(*iterate(learner, episodes)))
+            jax.block_until_ready(iterate(learner, episodes))  # which compiles it
         seconds, steps, follows = 0.0, 0, None
         while steps < given.steps:
             began = time.perf_counter()
             for _ in range(BETWEEN):
-                learner, episodes = iterate(learner, episodes)
+                learner, episodes, _ = iterate(learner, episodes)
             jax.block_until_ready(learner)
             seconds, steps = seconds + time.perf_counter() - began, steps + BETWEEN * given.worlds * ppo.HORIZON
             error = worst(learner.policy)
