@@ -6,7 +6,6 @@
 import argparse
 
 import jax
-import matplotlib.pyplot as plt
 import mujoco
 import numpy as np
 
@@ -91,19 +90,24 @@ def report(states, touching, fallen):
 
 def draw(walks, feet, dt, path):
     """Draws when each foot is on the ground, in the last two seconds of each walk. `walks` holds what touches by the command."""
-    plt.rcParams.update({"svg.fonttype": "none", "svg.hashsalt": "walk"})
-    figure, axes = plt.subplots(len(walks), 1, sharex=True, figsize=(8, 1.1 * len(walks)), layout="constrained")
-    for plot, (command, touching) in zip(axes, walks.items()):
-        last = touching[-round(2 / dt) :]
-        for row, foot in enumerate(last.T):
-            changes = np.diff(np.concatenate([[False], foot, [False]]).astype(int))
-            begins, ends = np.flatnonzero(changes > 0), np.flatnonzero(changes < 0)
-            plot.broken_barh(list(zip(begins * dt, (ends - begins) * dt)), (row + 0.1, 0.8), color="0.25")
-        plot.set(xlim=(0, 2), ylim=(len(feet), 0), yticks=np.arange(len(feet)) + 0.5, yticklabels=feet)
-        plot.set_title("{:g} m/s forwards, {:g} m/s left, {:g} rad/s".format(*command), loc="left", fontsize="small")
-        plot.tick_params(labelsize="x-small")
-    axes[-1].set_xlabel("time, s")
-    figure.savefig(path, metadata={"Date": None})
+    left, second, height, out, y = 150, 300, 14, [], 0
+    for command, touching in walks.items():
+        y += 26
+        out.append(f'<text x="{left}" y="{y - 4}">{command[0]} m/s forwards, {command[1]} m/s to the left, {command[2]} rad/s</text>')
+        for foot, on_ground in zip(feet, touching[-round(2 / dt) :].T):
+            y += height
+            changes = np.diff(np.concatenate([[False], on_ground, [False]]).astype(int))
+            begins, ends = (second * dt * np.flatnonzero(changes == sign) for sign in (1, -1))
+            bars = "".join(f"M{left + x:.1f} {y - 11}h{end - x:.1f}v11h{x - end:.1f}z" for x, end in zip(begins, ends))
+            out.append(f'<text x="{left - 8}" y="{y - 2}" text-anchor="end">{foot}</text><path d="{bars}"/>')
+    y += 20
+    out += [f'<text x="{left + second * time}" y="{y}" text-anchor="middle">{time:g} s</text>' for time in (0, 0.5, 1, 1.5, 2)]
+    size = f'viewBox="0 0 {left + 2 * second + 30} {y + 8}" width="{left + 2 * second + 30}" height="{y + 8}"'
+    title = "When each foot is on the ground"
+    with open(path, "w") as file:
+        # This grey is seen on light and on dark grounds.
+        file.write(f'<svg xmlns="http://www.w3.org/2000/svg" {size} fill="#768390" font-family="sans-serif" font-size="11" role="img">\n')
+        file.write(f"<title>{title}</title>\n" + "\n".join(out) + "\n</svg>\n")
 
 
 def main():
@@ -112,7 +116,7 @@ def main():
     parser.add_argument("--task", choices=TASKS, default="quadruped")
     parser.add_argument("--seconds", type=float, default=10.0, help="the time of each walk")
     parser.add_argument("--animation", help="write a page that shows the robot walk in MuJoCo at 1 m/s")
-    parser.add_argument("--contacts", help="draw when each foot is on the ground in MuJoCo, a picture for Matplotlib")
+    parser.add_argument("--contacts", help="draw when each foot is on the ground in MuJoCo, as SVG")
     given = parser.parse_args()
     environment = Walk(TASKS[given.task], scalar="f64", randomize=False)
     worlds, act = environment.worlds(0, 1), actions(environment, given.policy)
