@@ -58,7 +58,7 @@ class Simulation:
 
 
 def actions(environment, policy):
-    """Returns the actions of a policy, which is a file, as a function of the state."""
+    """Returns a function of the state: the action of the policy in a file."""
     worlds, actor = environment.worlds(0, 1), load(policy)
     return jax.jit(lambda state: output(actor, environment.observe(worlds, state).actor))
 
@@ -89,7 +89,7 @@ def report(states, touching, fallen):
 
 
 def draw(walks, feet, dt, path):
-    """Draws when each foot is on the ground, in the last two seconds of each walk. `walks` holds what touches by the command."""
+    """Draws when each foot is on the ground, in the last two seconds of each walk. `walks` holds `touching` by the command."""
     left, second, height, out, y = 150, 300, 14, [], 0
     for command, touching in walks.items():
         y += 26
@@ -103,11 +103,10 @@ def draw(walks, feet, dt, path):
     y += 20
     out += [f'<text x="{left + second * time}" y="{y}" text-anchor="middle">{time:g} s</text>' for time in (0, 0.5, 1, 1.5, 2)]
     size = f'viewBox="0 0 {left + 2 * second + 30} {y + 8}" width="{left + 2 * second + 30}" height="{y + 8}"'
-    title = "When each foot is on the ground"
     with open(path, "w") as file:
         # This grey is seen on light and on dark grounds.
         file.write(f'<svg xmlns="http://www.w3.org/2000/svg" {size} fill="#768390" font-family="sans-serif" font-size="11" role="img">\n')
-        file.write(f"<title>{title}</title>\n" + "\n".join(out) + "\n</svg>\n")
+        file.write("<title>When each foot is on the ground</title>\n" + "\n".join(out) + "\n</svg>\n")
 
 
 def main():

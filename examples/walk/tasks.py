@@ -21,7 +21,8 @@ class Task:
     #: the links of the feet, and how far the soles are below their frames, m
     feet: tuple
     sole: float
-    #: how much each joint should keep its posture. The policy moves as many actuators, the first ones; the others hold the posture.
+    #: the weight of each joint's deviation from the posture, for the joints of the first actuators, which the policy moves; other
+    #: actuators hold the posture
     posture: tuple
     #: the offset of the targets from the posture for an action of 1, rad
     action: float
@@ -36,9 +37,9 @@ class Task:
     phases: tuple
     #: the offset of the targets of a leg in the middle of its swing, before any action, rad
     lifted: tuple
-    #: the offset of a leg that is ahead, for each of the three numbers of a command: (3, joints of a leg), rad per m/s and rad/s
+    #: the offsets of the targets of a leg that is ahead, per unit of each number of a command, (3, joints of a leg): rad s/m and s
     stride: tuple
-    #: how much of the rewards for velocities only a small error gets
+    #: the share of the narrow kernel in the rewards for velocities, which only small errors get
     exact: float
     #: what each reward counts, per second
     rewards: dict
@@ -96,20 +97,16 @@ HUMANOID = Task(
     lifted=(-0.35, 0.0, 0.0, 0.7, -0.35, 0.0),
     stride=((-0.26, 0.0, 0.0, 0.0, 0.26, 0.0), (0.0, 0.26, 0.0, 0.0, 0.0, -0.26), (0.0, 0.0, 0.25, 0.0, 0.0, 0.0)),
     exact=0.6,
-    rewards={
+    rewards=QUADRUPED.rewards
+    | {
         "tracking_lin_vel": 5.0,
         "tracking_ang_vel": 3.0,
-        "gait": 2.0,
         "feet_clearance": 1.5,
         "alive": 0.5,
         "lin_vel_z": -0.5,
-        "ang_vel_xy": -0.05,
-        "orientation": -4.0,
         "base_height": -20.0,
         "torques": -0.0001,
         "action_rate": -0.02,
-        "pose": -0.8,
-        "feet_slip": -0.3,
     },
 )
 
