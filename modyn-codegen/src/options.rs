@@ -238,10 +238,10 @@ macro_rules! option_table {
                 "share_limbs" share_limbs()
                     share_limbs: bool, field => *field = true,
                     "true | false", "`false`", "true";
-                /// Embeds the model in the generated type: the type's function
-                /// `EmbeddedModel::model` returns the model. Interpreters, graphics processors and
-                /// compilers at run time take the type in place of a file. Needs the feature
-                /// `alloc` of `modyn`, which is on by default.
+                /// Embeds the model in the generated type, which then implements `EmbeddedModel`.
+                /// Interpreters, GPU kernels and run-time compilers take the generated type in
+                /// place of a description file. Needs the feature `alloc` of `modyn`, which is on
+                /// by default.
                 "embed_model" embed_model()
                     embed_model: bool, field => *field = true,
                     "true | false", "`false`", "true";
