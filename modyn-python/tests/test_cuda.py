@@ -13,7 +13,7 @@ from conftest import ROOT, chain, close, states
 
 import modyn
 from modyn import _cuda
-from modyn._arrays import ArrayFunction
+from modyn._arrays import ArrayFunction, FieldKernels
 
 pytestmark = pytest.mark.skipif(shutil.which("g++") is None, reason="needs g++")
 STREAM = 0x5EED
@@ -203,22 +203,35 @@ def test_refused_tensors(torch):
         function(q[:2].reshape(2, 1, -1), torch.ones(2, 3, own.nv, dtype=q.dtype)[:, :2], tau[0])
 
 
-@pytest.mark.parametrize(("name", "mode"), [("forward_dynamics", None), ("forward_dynamics", "reverse")])
-def test_the_text_compiles_with_nvrtc(stand_in, monkeypatch, name, mode):
-    """Machine code of NVIDIA's compiler, if it is installed, as with CUDA's PyTorch and JAX. It must be there if MODYN_NVRTC is an
-    environment of Python that has it, as `tests/cuda/run` makes one."""
+@pytest.fixture
+def nvrtc(stand_in, monkeypatch):
+    """NVIDIA's compiler, if it is installed, as with CUDA's PyTorch and JAX. It must be there if MODYN_NVRTC is an environment of Python that
+    has it, as `tests/cuda/run` makes one."""
     given = os.environ.get("MODYN_NVRTC")
     monkeypatch.setattr(sys, "path", [*sys.path, *(str(x) for x in Path(given or os.devnull).glob("lib/*/site-packages"))])
     monkeypatch.setattr(_cuda, "NVRTC", [])
     try:
-        nvrtc = _cuda.nvrtc()
+        return _cuda.nvrtc()
     except RuntimeError as error:
         if given:
             raise
         pytest.skip(str(error))
+
+
+@pytest.mark.parametrize(("name", "mode"), [("forward_dynamics", None), ("forward_dynamics", "reverse")])
+def test_the_text_compiles_with_nvrtc(nvrtc, name, mode):
+    """Machine code of NVIDIA's compiler."""
     function = ArrayFunction(robot(), name)
     code = nvrtc.cubin((function if mode is None else function.derivative(mode, [0, 1])).cuda_text(), "sm_90")
     assert code.startswith(b"\x7fELF") and b"modyn_rows" in code
+
+
+def test_the_planes_of_a_height_field_compile_with_nvrtc(nvrtc):
+    for scalar in ("f32", "f64"):
+        own = modyn.loads(chain(12, joints=2), base="floating", contacts={"foot": ("point", "link1", (0.1, -0.2, 0.05))}, scalar=scalar)
+        kernels = FieldKernels.of(own, (4, 5))
+        for kernel in (kernels.poses, kernels.planes):
+            assert b"modyn_rows" in nvrtc.cubin(kernel.cuda_text(), "sm_90")
 
 
 def test_faults_of_the_libraries(stand_in, monkeypatch):
@@ -265,6 +278,31 @@ def scene():
     return own, q, qd, tau, modyn.StepSettings([modyn.ContactSurface(radius=0.02, friction=0.7)], tolerance=1e-13)
 
 
+def hills(asarray):
+    """Two worlds of ground that is within 1 cm of a plane."""
+    rng = np.random.default_rng(5)
+    return modyn.HeightField(asarray(rng.uniform(-0.01, 0.01, size=(2, 4, 5))), asarray(rng.uniform(-3, -2, size=(2, 2))), (1.3, 1.7))
+
+
+def test_a_height_field_in_jax(jax):
+    own, q, qd, tau, settings = scene()
+    fall = modyn.jax.rollout(own, step="step", trajectory=False)
+    arguments = np.tile(tau, (3, 1)), 0.003
+    ground = hills(np.asarray)
+    end = lambda q, settings: fall(q, qd, *arguments, settings=settings, ground=ground)
+    expected = own.rollout(q, qd, *arguments, step="step", settings=settings, ground=ground, trajectory=False)
+    assert (np.abs(expected.forces).max((1, 2)) > 0).all() and np.abs(expected.q[0] - expected.q[1]).max() > 1e-6
+    for a, b in zip(end(q, settings), expected):
+        close(a, b, 1e-9)
+    # Weights of the states of both worlds.
+    gradients = jax.grad(lambda q, settings: end(q, settings).qd.sum(), argnums=(0, 1))(q, np.asarray(settings))
+    ones = np.zeros((2, own.nq)), np.ones((2, own.nv))
+    of_worlds = own.rollout_vjp(q, qd, *arguments, *ones, step="step", settings=settings, ground=ground, trajectory=False)
+    close(gradients[0], of_worlds.q.sum(0), 1e-7)
+    close(gradients[1], of_worlds.settings.sum(0), 1e-7)
+    assert np.abs(gradients[1]).max() > 1e-3
+
+
 def test_steps_on_the_ground_in_jax(jax):
     own, q, qd, tau, settings = scene()
     step = modyn.jax.function(own, "step")
@@ -278,7 +316,7 @@ def test_steps_on_the_ground_in_jax(jax):
 
 
 def test_rollouts_in_torch(torch, monkeypatch):
-    """Values and gradients are those of the CPU: of a feedback with a cost, and on the ground."""
+    """Values and gradients are those of the CPU: of a feedback with a cost, on planes, and on a height field in each world."""
     own = robot()
     q, qd, _, tau = (torch.from_numpy(x) for x in states(own, 2))
     rng = np.random.default_rng(1)
@@ -294,10 +332,11 @@ def test_rollouts_in_torch(torch, monkeypatch):
         fall = modyn.torch.rollout(on_ground, step="step", trajectory=trajectory)
         x = [a.clone().requires_grad_() for a in given]
         y = [a.clone().requires_grad_() for a in lying]
+        numbers = torch.from_numpy(np.asarray(settings)).requires_grad_()
         found = motion(*x[:4], gains=x[4], q_ref=q[:, None], qd_ref=qd[:, None], cost=cost)
-        ground = fall(*y, settings=settings)
-        total = sum((a**2).sum() for a in (*found, *ground[:4]))
-        return [*found, *ground, *torch.autograd.grad(total, [*x, *y])]
+        level, hilly = fall(*y, settings=settings), fall(*y, settings=numbers, ground=hills(torch.from_numpy))
+        total = sum((a**2).sum() for a in (*found, *level[:4], *hilly[:4]))
+        return [*found, *level, *hilly, *torch.autograd.grad(total, [*x, *y, numbers])]
 
     for trajectory in (True, False):
         found = gradients(trajectory)

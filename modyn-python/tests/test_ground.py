@@ -1,5 +1,7 @@
 """Rollouts and derivatives of `step`: beside single steps, differences, and the library's planes."""
 
+import functools
+import itertools
 import runpy
 
 import numpy as np
@@ -166,8 +168,81 @@ def test_the_heights_of_the_ground():
     assert not each(of_field.settings)[..., :12].any() and each(of_planes.settings)[..., :12].any()
     policy = lambda time, q_now, qd_now: controls[0, round(time / 0.002)]
     close(robot.simulate(policy, q, np.zeros(robot.nv), 0.002, 40, level, ground=field).q, on_field.q[0], 1e-6)
-    with pytest.raises(ValueError, match="at least two full rows of at least two columns"):
-        robot.rollout(**arguments, ground=modyn.HeightField([[0.0, 1.0]]))
+
+
+def hills(worlds=(), rows=7, columns=9):
+    """Returns ground of hills 4 cm high below the quadruped, with a grid of its own in each world."""
+    rng = np.random.default_rng(11)
+    heights = rng.uniform(-0.02, 0.02, size=(*worlds, rows, columns))
+    spacing = rng.uniform(0.1, 0.2, size=(*worlds, 2))
+    return modyn.HeightField(heights, -0.5 * spacing * (columns - 1, rows - 1), spacing)
+
+
+def test_each_world_has_its_ground():
+    robot, q = quadruped()
+    field = hills((5,))
+    level = StepSettings([ContactSurface(friction=0.3)] * 4)
+    turned = np.repeat(q[None], 5, 0)
+    turned[:, 2] += 0.02
+    turned[:, 3:7] = np.random.default_rng(4).normal(size=(5, 4)) * 0.1 + [0, 0, 0, 1]
+    arguments = dict(qd=np.zeros(robot.nv), controls=np.zeros((30, robot.nv)), dt=0.002, step="step", settings=level)
+    weights = {"q_cotangent": np.ones((30, robot.nq)), "qd_cotangent": np.ones((30, robot.nv))}
+    own = lambda world: modyn.HeightField(field.heights[world], field.origin[world], field.spacing[world])
+    for function, more in ((robot.rollout, {}), (robot.rollout_vjp, weights)):
+        together = function(turned, **arguments, **more, ground=field)
+        for world in range(5):
+            alone = function(turned[world], **arguments, **more, ground=own(world))
+            close(together[0][world], alone[0], 1e-9)
+            close(together[1][world], alone[1], 1e-9)
+    forces = robot.rollout(turned[0], **arguments, ground=field).forces
+    assert all(np.abs(forces[i] - forces[j]).max() > 1e-3 for i, j in itertools.combinations(range(5), 2))
+    policy = lambda time, q_now, qd_now: np.zeros(robot.nv)
+    expected = robot.rollout(turned, **arguments, ground=field)
+    close(robot.simulate(policy, turned, np.zeros((5, robot.nv)), 0.002, 30, level, ground=field).q, expected.q, 1e-6)
+
+
+def test_servos_on_the_ground():
+    """A rollout of `actuated` is that of `step` under the same joint forces."""
+    robot, q = quadruped(actuators={"*": ("position", 5, 0.05)})
+    passive, _ = quadruped()
+    q[2] += 0.005
+    targets = q[-12:] + 0.05 * np.random.default_rng(3).normal(size=(20, 12))
+    more = dict(settings=StepSettings([ContactSurface(friction=0.3)] * 4), ground=hills())
+    moved = robot.rollout(q, np.zeros(robot.nv), targets, 0.002, step="actuated", **more)
+    before = np.concatenate([q[None], moved.q[:-1]]), np.concatenate([np.zeros((1, robot.nv)), moved.qd[:-1]])
+    forces = robot.actuate(*before, targets, 0.002).tau
+    expected = passive.rollout(q, np.zeros(robot.nv), forces, 0.002, step="step", **more)
+    close(moved.q, expected.q, 1e-8)
+    assert (expected.forces != 0).any()
+
+
+def test_heights_that_are_unknown():
+    """Heights of a camera: only those below a foot have to be known."""
+    robot, q = quadruped()
+    field = hills((2,), rows=41, columns=41)
+    arguments = dict(q=q, qd=np.zeros(robot.nv), controls=np.zeros((3, robot.nv)), dt=0.002, step="step")
+    x, y = robot.link_pose(q, "hind_left_foot").translation[:2]
+    column, row = (int((at - field.origin[1, k]) / field.spacing[1, k]) for k, at in enumerate((x, y)))
+    field.heights[0, 0, 0] = field.heights[1, 0, 0] = np.nan
+    assert np.isfinite(robot.rollout(**arguments, ground=field).q).all()
+    field.heights[1, row + 1, column] = np.nan
+    message = rf"`heights`\[{row + 1}, {column}\] of the height field is NaN; expected a finite number \(in state 1\)"
+    with pytest.raises(ValueError, match=message):
+        robot.rollout(**arguments, ground=field)
+    one = modyn.HeightField(field.heights[1], field.origin[1], field.spacing[1])
+    weights = {"q_cotangent": np.ones((3, robot.nq)), "qd_cotangent": None}
+    with pytest.raises(ValueError, match=r"is NaN; expected a finite number$"):
+        robot.rollout_vjp(**arguments, **weights, ground=one)
+    for ground, message in (
+        (modyn.HeightField([[0.0, 1.0]]), r"`heights` of `HeightField` has the shape \(1, 2\); expected two rows and two columns, or more"),
+        (modyn.HeightField([0.0, 1.0]), r"`heights` of `HeightField` has the shape \(2,\); expected \(rows, columns\)"),
+        (modyn.HeightField(np.zeros((2, 2)), spacing=(1, -1)), "`spacing` of the height field is -1; expected"),
+        (modyn.HeightField(np.zeros((2, 2)), origin=(1, 2, 3)), r"`ground.origin` of `rollout` has the shape \(3,\); expected \(2,\)"),
+        (modyn.HeightField(np.zeros((4, 2, 2)), origin=np.zeros((3, 2))), "axes of states of the arguments of `rollout` do not fit"),
+        (modyn.HeightField(np.zeros((2, 2), complex)), "`ground.heights` of `rollout` must be an array of real numbers"),
+    ):
+        with pytest.raises((ValueError, TypeError), match=message):
+            robot.rollout(**arguments, ground=ground)
 
 
 BALL = """<mujoco model="ball"><worldbody><geom type="plane" size="0 0 1" friction="0.8 0.01 0.001" condim="6"/><body pos="0.3 -0.2 0.5"><freejoint/>
@@ -328,7 +403,7 @@ def test_gradients_in_jax(ground):
 
     jax.config.update("jax_enable_x64", True)
     robot, q, qd, tau, settings = scene(3)
-    rollout = modyn.jax.rollout(robot, step="step", trajectory=False, ground=ground)
+    rollout = functools.partial(modyn.jax.rollout(robot, step="step", trajectory=False), ground=ground)
     controls = np.repeat(tau[:, None], 4, 1)
 
     def energy(q, qd, controls, settings):
@@ -388,22 +463,27 @@ def test_wrong_arguments():
         robot.rollout(q, qd, controls, 0.001, step="ground")
 
 
-def test_a_ground_in_jax_keeps_its_heights():
-    """A step and its derivatives are on the ground as it was when the function was made."""
+def test_grounds_in_jax():
+    """Heights are an argument: of `jit`, and of `vmap`."""
     jax = pytest.importorskip("jax")
     import modyn.jax
 
     jax.config.update("jax_enable_x64", True)
-    robot = modyn.load(ROBOTS / "quadruped.urdf", base="floating", contacts={foot: ("point", foot, [0, 0, 0]) for foot in FEET})
-    q, controls, heights = robot.neutral(), np.zeros((20, robot.nv)), np.full((2, 2), -0.42)
-    rollout = modyn.jax.rollout(robot, step="step", ground=modyn.HeightField(heights, (-5, -5), (10, 10)))
-    energy = jax.jit(lambda qd: (rollout(q, qd, controls, 0.002).qd[-1] ** 2).sum())
-    qd = 0.1 * np.ones(robot.nv)
-    value = float(energy(qd))
-    expected = jax.grad(energy)(qd)
-    heights[:] = 0.2
-    again = modyn.jax.rollout(robot, step="step", ground=modyn.HeightField(np.full((2, 2), -0.42), (-5, -5), (10, 10)))
-    assert float(energy(qd)) == value
-    close(jax.grad(lambda qd: (again(q, qd, controls, 0.002).qd[-1] ** 2).sum())(qd), expected, 1e-12)
-    derivative = jax.grad(lambda qd: (rollout(q, qd, controls, 0.002).qd[-1] ** 2).sum())(qd)
-    close(derivative, expected, 1e-12)
+    robot, q = quadruped()
+    rollout = modyn.jax.rollout(robot, step="step", trajectory=False)
+    field, qd, controls = hills((3,)), np.zeros(robot.nv), np.zeros((20, robot.nv))
+    traces = []
+
+    @jax.jit
+    def end(heights, origin, spacing):
+        traces.append(heights)
+        return rollout(q, qd, controls, 0.002, ground=modyn.HeightField(heights, origin, spacing)).q
+
+    expected = robot.rollout(q, qd, controls, 0.002, step="step", trajectory=False, ground=field).q
+    parts = field.heights, field.origin, field.spacing
+    for world in range(3):
+        close(end(*(x[world] for x in parts)), expected[world], 1e-9)
+    assert len(traces) == 1
+    close(jax.vmap(end)(*parts), expected, 1e-9)
+    with pytest.raises(NotImplementedError, match="no derivatives with respect to the fields of `ground`"):
+        jax.grad(lambda heights: end(heights, *parts[1:])[0, 2])(field.heights)

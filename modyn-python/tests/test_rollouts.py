@@ -8,6 +8,7 @@ import pytest
 from conftest import chain, close, states
 
 import modyn
+from modyn._arrays import Extras
 
 
 def robot(base="floating", **options):
@@ -264,7 +265,7 @@ def test_a_robot_is_freed_with_its_code():
 
 def test_surplus_arrays_are_refused():
     own = robot()
-    code = own._array_code("kinetic_energy", None, [])
+    code = own._array_code("kinetic_energy", None, [], Extras())
     q, qd = own.neutral(), np.ones(own.nv)
     close(code.call([q, qd])[0], own.kinetic_energy(q, qd), 1e-12)
     for arrays in ([q], [q, qd, qd]):

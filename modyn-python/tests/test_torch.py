@@ -187,11 +187,42 @@ def test_rollouts_on_the_ground(ground):
     end = own.rollout(q, qd, controls, 0.002, step="step", settings=settings, trajectory=False, ground=ground)
     expected = own.rollout_vjp(q, qd, controls, 0.002, 2 * end.q, 2 * end.qd, step="step", settings=settings, trajectory=False, ground=ground)
     given = [torch.from_numpy(x.copy()).requires_grad_() for x in (q, qd, controls, settings)]
-    found = modyn.torch.rollout(own, step="step", trajectory=False, ground=ground)(*given[:3], 0.002, settings=given[3])
+    fall = modyn.torch.rollout(own, step="step", trajectory=False)
+    found = fall(*given[:3], 0.002, settings=given[3], ground=ground)
     close(found.qd.detach(), end.qd, 1e-12)
     ((found.q**2).sum() + (found.qd**2).sum()).backward()
     close(given[2].grad, expected.controls, 1e-12)
     close(given[3].grad, expected.settings.sum(0), 1e-12)
+
+
+def test_each_world_has_its_ground():
+    own, q, qd, tau, settings = scene(3)
+    rng = np.random.default_rng(8)
+    ground = modyn.HeightField(rng.uniform(-0.1, 0.1, size=(3, 4, 5)), rng.uniform(-3, -2, size=(3, 2)), (1.3, 1.7))
+    expected = own.rollout(q, qd, tau[:, None], 0.002, step="step", settings=settings, trajectory=False, ground=ground)
+    assert (expected.forces != 0).any()
+    fall = modyn.torch.rollout(own, step="step", trajectory=False)
+    state = [torch.from_numpy(x) for x in (q, qd, tau[:, None], settings)]
+
+    def end(heights, settings):
+        return fall(*state[:3], 0.002, settings=settings, ground=modyn.HeightField(heights, torch.from_numpy(ground.origin), (1.3, 1.7))).qd
+
+    heights = torch.from_numpy(ground.heights)
+    settings = state[3].requires_grad_()
+    gradients = []
+    for function in (end, torch.compile(end, fullgraph=True)):
+        found = function(heights, settings)
+        close(found.detach(), expected.qd, 1e-12)
+        gradients += torch.autograd.grad((found**2).sum(), settings)
+    close(gradients[0], gradients[1], 1e-12)
+    assert gradients[0].abs().max() > 1e-3
+    moved = torch.func.vmap(lambda heights, origin: fall(*(x[0] for x in state[:3]), 0.002, ground=modyn.HeightField(heights, origin)).qd)
+    one = own.rollout(q[0], qd[0], tau[0, None], 0.002, step="step", trajectory=False, ground=modyn.HeightField(ground.heights, ground.origin))
+    close(moved(heights, torch.from_numpy(ground.origin)), one.qd, 1e-12)
+    # `torch.compile` reports errors as its own.
+    for function, error in ((end, NotImplementedError), (torch.compile(end), Exception)):
+        with pytest.raises(error, match="no derivatives with respect to the fields of `ground`"):
+            function(heights.clone().requires_grad_(), settings).sum().backward()
 
 
 def test_run_time_parameters_and_tangent_space():

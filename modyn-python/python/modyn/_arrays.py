@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import dataclasses
 import functools
+import hashlib
 import inspect
 import re
 from collections.abc import Callable, Sequence
@@ -18,6 +18,9 @@ from ._types import HeightField, QuadraticCost, RolloutCosts, RolloutStates
 Shape = tuple[int, ...]
 
 
+NO_HEIGHTS = "steps have no derivatives with respect to the fields of `ground`: do not differentiate by them"
+
+
 class Code:
     """Code for arrays, compiled. Two of them are equal if they have the same code."""
 
@@ -28,7 +31,9 @@ class Code:
     state: list[int] = []
     """the arguments of a time step that are its first results, in their order"""
     constant: int | None = None
-    """the argument that has no derivatives: the one from which a solver, or the first solver of a rollout, starts"""
+    """the argument on which results do not depend: the one from which a solver, or the first solver of a rollout, starts"""
+    heights: int | None = None
+    """the argument with the heights of the ground, which the one with its grid follows; `None` without a height field"""
 
     def __init__(self, name: str, handle: CodeHandle, dtype: Any) -> None:
         self.name, self.handle, self.dtype = name, handle, dtype
@@ -38,6 +43,12 @@ class Code:
         """the shapes of the arguments for one state"""
         self.outputs: list[Shape] = handle.outputs
         """the shapes of the results for one state"""
+
+    @property
+    def variable(self) -> list[int]:
+        """the arguments with respect to which there are derivatives"""
+        ground = () if self.heights is None else (self.heights, self.heights + 1)
+        return [k for k in range(len(self.inputs)) if k not in ground]
 
     def cuda_text(self) -> str:
         """Returns the text of the kernel on CUDA."""
@@ -66,8 +77,8 @@ class Extras(NamedTuple):
 
     feedback: bool = False
     cost: bool = False
-    ground: HeightField | None = None
-    """the ground that sets the planes of the surfaces of `step`"""
+    field: tuple[int, int] | None = None
+    """the rows and columns of the height field that sets the planes of the surfaces"""
 
 
 class ArrayFunction(Code):
@@ -81,25 +92,44 @@ class ArrayFunction(Code):
         derivatives: tuple[Any, ...] = (),
         extras: Extras = Extras(),
     ) -> None:
-        handle = robot._array_code(name, link, list(derivatives), extras.feedback, extras.cost)
-        if extras.ground is not None:
-            handle = robot._field_code(handle, derivatives[0] if derivatives else None, *extras.ground._numbers())
-        super().__init__(name, handle, robot.dtype)
+        super().__init__(name, robot._array_code(name, link, list(derivatives), extras), robot.dtype)
         self.robot, self.link, self.derivatives, self.extras = robot, link, derivatives, extras
         names = Signature.of(robot, name, link).names
         self._solves = "warm_start" in names
         if self._solves and not derivatives:
             self.start = self.constant = names.index("warm_start")
         self.state = [k for k, argument in enumerate(names) if argument in STATE]
+        if extras.field is not None and not derivatives:
+            self.heights = len(self.inputs) - 2
         self._derived: dict[tuple[str, tuple[int, ...]], ArrayFunction] = {}
         self._rollouts: dict[tuple[int, bool, tuple[int, ...]], Rollout] = {}
 
     def cuda_text(self) -> str:
         """Returns the text of the kernel on CUDA."""
-        if self.extras.ground is not None:
-            raise NotImplementedError("steps on a `HeightField` run on the CPU; on CUDA, set the planes of the surfaces in `settings`")
-        extras = self.extras.feedback, self.extras.cost
-        return self.robot._array_text(self.name, self.link, list(self.derivatives), *extras)
+        return self.robot._array_text(self.name, self.link, list(self.derivatives), self.extras)
+
+    def on_planes(self, arrays: Sequence[Any], call: Callable[[Code, list[Any]], Any], library: Any) -> list[Any]:
+        """Returns the results of a step on a height field, or of its derivative, on CUDA: of a kernel that sets the planes of the
+        settings, and of the step's.
+
+        `call` calls a function of arrays. `library` has `concatenate` and `zeros_like`.
+        """
+        heights, settings = (self.base or self).heights, Signature.of(self.robot, self.name).names.index("settings")
+        assert heights is not None and self.extras.field is not None
+        field = FieldKernels.of(self.robot, self.extras.field)
+        own, ground, others = list(arrays[:heights]), arrays[heights : heights + 2], list(arrays[heights + 2 :])
+        [poses] = call(field.poses, [own[0]])
+        [own[settings]] = call(field.planes, [poses, own[settings], *ground])
+        step = ArrayFunction(self.robot, self.name, self.link, self.derivatives, self.extras._replace(field=None))
+        if settings not in self.variables:
+            return list(call(step, [*own, *others]))
+        # Derivatives hold the planes where they are.
+        hold = lambda numbers: field.without_planes(numbers, library)
+        at, count = self.variables.index(settings), len(self.variables)
+        if self.mode == "forward":
+            others[at] = hold(others[at])
+            return list(call(step, [*own, *others]))
+        return [hold(x) if k % count == at else x for k, x in enumerate(call(step, [*own, *others]))]
 
     def rollout(self, steps: int, trajectory: bool, sequences: tuple[int, ...]) -> Rollout:
         """Returns the rollout of this number of steps; `sequences` are the arguments with numbers for each step."""
@@ -122,6 +152,8 @@ class ArrayFunction(Code):
         """
         if self._solves and self.derivatives:
             raise NotImplementedError(f"`{self.name}` has first derivatives alone")
+        if not set(variables) <= set(self.variable):
+            raise NotImplementedError(NO_HEIGHTS)
         at = (mode, tuple(variables))
         found = self._derived.get(at)
         if found is None:
@@ -142,6 +174,45 @@ class ArrayFunction(Code):
         return self.derivatives[-1][1] if self.derivatives else []
 
 
+class KernelCode(Code):
+    """A function of arrays on CUDA alone."""
+
+    def __init__(self, name: str, text: str, inputs: list[Shape], outputs: list[Shape], dtype: Any) -> None:
+        self.name, self.handle, self.dtype, self.inputs, self.outputs = name, None, dtype, inputs, outputs
+        self.key = int.from_bytes(hashlib.sha256(text.encode()).digest()[:8], "little") >> 1
+        self._text = text
+
+    def cuda_text(self) -> str:
+        """Returns the text of the kernel on CUDA."""
+        return self._text
+
+
+class FieldKernels:
+    """The kernels on CUDA that set the planes of settings to those of a height field below the shapes that touch it."""
+
+    def __init__(self, robot: Robot, field: tuple[int, int]) -> None:
+        poses, planes, self.places = robot._field_texts(field)
+        shape, settings = (12 * len(self.places),), np.asarray(robot.step_settings(), robot.dtype).shape
+        self.poses = KernelCode("poses of the shapes", poses, [(robot.nq,)], [shape], robot.dtype)
+        self.planes = KernelCode("planes of the ground", planes, [shape, settings, field, (4,)], [settings], robot.dtype)
+
+    @classmethod
+    def of(cls, robot: Robot, field: tuple[int, int]) -> FieldKernels:
+        """Returns the kernels, which the robot keeps."""
+        found: FieldKernels | None = robot._kept.get((cls, field))
+        if found is None:
+            found = robot._kept[cls, field] = cls(robot, field)
+        return found
+
+    def without_planes(self, settings: Any, library: Any) -> Any:
+        """Returns numbers of settings with zeros for the planes."""
+        parts, end = [], 0
+        for place in self.places:
+            parts += [settings[..., end:place], library.zeros_like(settings[..., place : place + 12])]
+            end = place + 12
+        return library.concatenate([*parts, settings[..., end:]], -1)
+
+
 MOST_ROLLOUTS = 64
 """the rollouts that a step keeps, one for each number of steps"""
 
@@ -155,7 +226,7 @@ class Rollout(Code):
         self.roles = {"state": self.state, "start": step.start, "sequences": list(sequences)}
         super().__init__(f"rollout of {step.name}", step.handle.rollout(steps, trajectory, self.roles), step.dtype)
         self.step, self.steps, self.trajectory, self.sequences = step, steps, trajectory, sequences
-        self.constant = step.start
+        self.constant, self.heights = step.start, step.heights
         self._gradients: dict[tuple[int, ...], RolloutGradient] = {}
 
     def gradient(self, variables: Sequence[int]) -> RolloutGradient:
@@ -196,6 +267,12 @@ STATE = ("q", "qd", "act", "warm_start")
 OWN = ("act", "applied", "warm_start", "settings")
 """the arguments of a time step with a solver beside the state, the forces or the controls, and the time"""
 
+SOLVING = '`step="step"` and `step="actuated"`'
+"""the time steps with a solver"""
+
+GROUND = ("ground.heights", "ground.origin and ground.spacing")
+"""the last arguments of a step on a height field"""
+
 FEEDBACK = ("gains", "q_ref", "qd_ref")
 """the arguments of a step with a feedback"""
 
@@ -206,14 +283,10 @@ COST = ("q_goal", "qd_goal", "state_weights", "control_weights")
 class RolloutSignature:
     """The arguments of the rollouts of a time step."""
 
-    def __init__(self, robot: Robot, step: str, ground: HeightField | None = None) -> None:
+    def __init__(self, robot: Robot, step: str) -> None:
         if step not in time_steps():
             raise ValueError(f"there is no time step `{step}`; there are: {', '.join(time_steps())}")
-        if ground is not None and step != "step":
-            raise TypeError('`ground` is an argument of rollouts with `step="step"`')
-        if not isinstance(ground, HeightField | None):
-            raise TypeError(f"`ground` must be a `modyn.HeightField`, not {type(ground).__name__}")
-        self.robot, self.step, self.ground = robot, step if step == "step" else f"step_{step}", ground
+        self.robot, self.step = robot, step if step == "step" else f"step_{step}"
         self.parameters = Signature.of(robot, self.step)
         self.solves = "warm_start" in self.parameters.names
         self.is_actuated = "ctrl" in self.parameters.names
@@ -227,10 +300,8 @@ class RolloutSignature:
         self.shapes |= {"q_goal": (nq,), "qd_goal": (nv,), "state_weights": (2 * nv,), "control_weights": (nv,)}
 
     @classmethod
-    def of(cls, robot: Robot, step: str, ground: HeightField | None = None) -> RolloutSignature:
-        """Returns the signature, which the robot keeps unless it has a ground or run-time parameters."""
-        if ground is not None:
-            return cls(robot, step, ground)
+    def of(cls, robot: Robot, step: str) -> RolloutSignature:
+        """Returns the signature, which the robot keeps unless it has run-time parameters."""
         at = (cls, step)
         found: RolloutSignature | None = robot._kept.get(at)
         if found is None:
@@ -244,12 +315,27 @@ class RolloutSignature:
         for name in OWN:
             if name not in self.parameters.names:
                 if given.pop(name, None) is not None:
-                    steps = '`step="actuated"`' if name in ("act", "applied") else '`step="step"` and `step="actuated"`'
+                    steps = '`step="actuated"`' if name in ("act", "applied") else SOLVING
                     raise TypeError(f"`{name}` is an argument of rollouts with {steps}")
             elif given.get(name) is None:
                 at = self.parameters.names.index(name)
                 default = self.parameters.defaults[at]
                 given[name] = asarray(np.zeros(self.parameters.shapes[at], self.robot.dtype) if default is None else default)
+
+    def add_ground(
+        self, given: dict[str, Any], ground: HeightField, asarray: Callable[[str, Any], Any], concatenate: Callable[[list[Any]], Any]
+    ) -> None:
+        """Adds the heights and the grid of a ground to the arguments of a rollout."""
+        if not self.solves:
+            raise TypeError(f"`ground` is an argument of rollouts with {SOLVING}")
+        if not isinstance(ground, HeightField):
+            raise TypeError(f"`ground` must be a `modyn.HeightField`, not {type(ground).__name__}")
+        given["heights"] = heights = asarray("ground.heights", ground.heights)
+        if heights.ndim < 2:
+            raise ValueError(f"`heights` of `HeightField` has the shape {tuple(heights.shape)}; expected (rows, columns)")
+        pairs = [asarray(f"ground.{name}", getattr(ground, name)) for name in ("origin", "spacing")]
+        check("rollout", ["ground.origin", "ground.spacing"], [(2,), (2,)], pairs)
+        given["grid"] = concatenate(pairs)
 
     def add_cost(self, given: dict[str, Any], cost: QuadraticCost, asarray: Callable[[str, Any], Any], library: Any) -> None:
         """Adds the arguments of a cost to those of a rollout. `library` has `zeros`, `broadcast_to` and `concatenate`."""
@@ -275,7 +361,7 @@ class RolloutSignature:
             arrays["state_weights"] = library.concatenate([weights[..., : steps - 1, :], last], -2) if steps else weights
         given.update(arrays, cost=library.zeros((), dtype=dtype))
 
-    def arrays(self, given: dict[str, Any]) -> tuple[list[Any], tuple[int, bool, bool, tuple[int, ...]]]:
+    def arrays(self, given: dict[str, Any]) -> tuple[list[Any], tuple[int, tuple[int, ...], Extras]]:
         """Returns the arguments in the order of the step, without those that are `None`; and the arguments of `code`."""
         controls = given["controls"]
         if controls.ndim < 2:
@@ -305,31 +391,31 @@ class RolloutSignature:
                 sequences.append(name)
         shapes = [(steps, *one[name]) if name in sequences else one[name] for name in names]
         arrays = [given[name] for name in names]
-        check("rollout", names, shapes, arrays)
+        field, ground = self.ground(given)
+        check("rollout", [*names, *GROUND[: len(ground)]], [*shapes, *((field, (4,)) if field else ())], [*arrays, *ground])
         if self.parameters.parameters:
             arrays.append(given["parameters"])
-        return arrays, (steps, not missing, has_cost, tuple(names.index(name) for name in sequences))
+        at = tuple(names.index(name) for name in sequences)
+        return [*arrays, *ground], (steps, at, Extras(not missing, has_cost, field))
 
-    def code(self, trajectory: bool, steps: int, feedback: bool, cost: bool, sequences: tuple[int, ...]) -> Rollout:
+    def ground(self, given: dict[str, Any]) -> tuple[tuple[int, int] | None, list[Any]]:
+        """Returns the rows and columns of the ground among the arguments, and its heights and grid."""
+        if "heights" not in given:
+            return None, []
+        rows, columns = given["heights"].shape[-2:]
+        return (rows, columns), [given["heights"], given["grid"]]
+
+    def code(self, trajectory: bool, steps: int, sequences: tuple[int, ...], extras: Extras) -> Rollout:
         """Returns the rollout of this number of steps."""
-        return self.one_step(feedback, cost).rollout(steps, trajectory, sequences)
+        return self.one_step(extras).rollout(steps, trajectory, sequences)
 
-    def one_step(self, feedback: bool = False, cost: bool = False) -> ArrayFunction:
-        """Returns the function of one step, which the robot keeps unless it has a ground."""
-        if self.ground is not None:
-            return ArrayFunction(self.robot, self.step, extras=Extras(feedback, cost, self.ground))
-        kept, at = self.robot._kept, (ArrayFunction, self.step, feedback, cost)
+    def one_step(self, extras: Extras) -> ArrayFunction:
+        """Returns the function of one step, which the robot keeps."""
+        kept, at = self.robot._kept, (ArrayFunction, self.step, extras)
         found: ArrayFunction | None = kept.get(at)
         if found is None:
-            found = kept[at] = ArrayFunction(self.robot, self.step, extras=Extras(feedback, cost))
+            found = kept[at] = ArrayFunction(self.robot, self.step, extras=extras)
         return found
-
-
-def unchanging(ground: HeightField | None) -> HeightField | None:
-    """Returns the ground with heights of its own, so that a step and its derivatives have the same ones."""
-    if not isinstance(ground, HeightField):
-        return ground
-    return dataclasses.replace(ground, heights=np.array(ground.heights, float))
 
 
 def motions(results: Sequence[Any]) -> Any:

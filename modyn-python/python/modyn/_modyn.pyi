@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from typing_extensions import TypedDict, Unpack
 
+from ._arrays import Extras
 from ._results import *
 from ._types import (
     BaseParameters,
@@ -414,36 +415,19 @@ class Robot:
         """Returns the names of the arguments of a function, each with its shape and its default; the run-time parameters that
         it depends on, each by option and link with its present numbers; and its result, whose arrays are their indices."""
     def _array_code(
-        self,
-        name: str,
-        link: str | int | None,
-        derivatives: Sequence[tuple[str, Sequence[int]]],
-        feedback: bool = False,
-        cost: bool = False,
+        self, name: str, link: str | int | None, derivatives: Sequence[tuple[str, Sequence[int]]], extras: Extras
     ) -> CodeHandle:
         """Returns the code of a function or of a derivative. Each derivative is its mode (`forward`, `reverse` or `matrix`) and the
-        indices of the arrays that vary. With `feedback`, a time step has the arguments `gains`, `q_ref` and `qd_ref`; with
-        `cost`, the array `cost` of the state, and `q_goal`, `qd_goal`, `state_weights` and `control_weights`."""
+        indices of the arrays that vary."""
     def _array_text(
-        self,
-        name: str,
-        link: str | int | None,
-        derivatives: Sequence[tuple[str, Sequence[int]]],
-        feedback: bool = False,
-        cost: bool = False,
+        self, name: str, link: str | int | None, derivatives: Sequence[tuple[str, Sequence[int]]], extras: Extras
     ) -> str:
-        """Returns the text of a kernel on CUDA for the function or the derivative that `_array_code` has for these arguments."""
-    def _field_code(
-        self,
-        step: CodeHandle,
-        derivative: tuple[str, Sequence[int]] | None,
-        heights: Array,
-        origin: Sequence[float],
-        spacing: Sequence[float],
-    ) -> CodeHandle:
-        """Returns the code of `step` on a height field, which sets the planes of the surfaces: given the code of the step, or of
-        its derivative, which is a mode (`forward`, `reverse` or `matrix`) and the indices of the arrays that vary. `heights`:
-        (rows, columns)."""
+        """Returns the text of a kernel on CUDA for the function or the derivative that `_array_code` has for these arguments, without
+        a height field."""
+    def _field_texts(self, field: tuple[int, int]) -> tuple[str, str, list[int]]:
+        """Returns the texts of two kernels on CUDA: of the poses of the links that carry the touching shapes, (12 shapes,), from `q`;
+        and of the settings with the planes of a height field of these rows and columns below the shapes, from the poses, `settings`,
+        `heights` and `grid`. With them the places of the planes among the settings, each the first of twelve numbers."""
     @property
     def _kept(self) -> dict[Any, Any]:
         """What the package keeps of the robot: signatures and functions of arrays."""
@@ -493,12 +477,13 @@ class Robot:
         `step`: the method, such as `semi_implicit` for the function `step_semi_implicit`, or `step` for the function `step`,
         with contacts and joint limits. This one has the arguments `settings`: `StepSettings`, by default the result of
         `step_settings()`; `warm_start`: the accelerations from which the first solver starts, by default zeros; and `ground`: a
-        `HeightField` that sets the planes of the surfaces, by the place of each shape before each step. With a feedback, the
+        `HeightField` that sets the planes of the surfaces, by the place of each shape before each step; leading axes of its arrays
+        count motions, too. With a feedback, the
         forces are `controls` + `gains` (x_ref - x), where the difference of states has the difference of coordinates in tangent space, then
         the difference of velocities: `gains`: (nv, 2 nv) or (steps, nv, 2 nv); `q_ref`: (nq,) or (steps, nq); `qd_ref`: (nv,) or (steps, nv);
         one step stands for all of them. With `step="actuated"`, the function `step_actuated`, `controls` has a control for each
         actuator, (steps, controls), and further arguments are `act`: the activations before the first step, by default zeros;
-        and `applied`: (nv,), joint forces of all steps, by default zeros; there is no feedback and no `ground`. With `cost`, a
+        and `applied`: (nv,), joint forces of all steps, by default zeros; there is no feedback. With `cost`, a
         `QuadraticCost`, each step adds the cost of its forces and of the state after it. Leading axes count motions, and are broadcast.
         Result: `RolloutStates`: `q` and `qd`; with a cost `RolloutCosts`; of `step` `StepSolution` and of `actuated`
         `ActuatedStep`, with the largest `residual` and `iterations` of all steps with `trajectory=False`.

@@ -8,13 +8,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._arrays import COST, FEEDBACK, OWN, ArrayFunction, Rollout, RolloutSignature, Signature, motions
+from ._arrays import COST, FEEDBACK, OWN, Extras, Rollout, RolloutSignature, Signature, motions
 from ._modyn import Robot
 from ._results import ActuatedStep, StepSolution
 from ._types import HeightField, QuadraticCost, RolloutCosts, RolloutGradients, RolloutStates, StepSettings
-
-Step = tuple[str, HeightField | None]
-"""the name of a time step, and the ground of `step`"""
 
 
 def _array(robot: Robot, function: str, argument: str, given: Any) -> Any:
@@ -25,22 +22,37 @@ def _array(robot: Robot, function: str, argument: str, given: Any) -> Any:
         if isinstance(given, StepSettings):
             return np.asarray(given, robot.dtype)
         found = np.asarray(given)
-        return np.ascontiguousarray(found.astype(robot.dtype, casting="same_kind")).reshape(found.shape)
+        # Numbers that are too large become infinite, and checks of ranges find them.
+        with np.errstate(over="ignore"):
+            return np.ascontiguousarray(found.astype(robot.dtype, casting="same_kind")).reshape(found.shape)
     except (TypeError, ValueError) as error:
         raise TypeError(f"`{argument}` of `{function}` must be an array of real numbers: {error}") from None
 
 
+def _concatenate(arrays: list[Any]) -> Any:
+    lead = np.broadcast_shapes(*(array.shape[:-1] for array in arrays))
+    return np.concatenate([np.broadcast_to(array, (*lead, array.shape[-1])) for array in arrays], -1)
+
+
 def _given(
-    robot: Robot, name: str, arguments: dict[str, Any], step: Step, trajectory: bool, cost: QuadraticCost | None
+    robot: Robot,
+    name: str,
+    arguments: dict[str, Any],
+    step: str,
+    trajectory: bool,
+    cost: QuadraticCost | None,
+    ground: HeightField | None,
 ) -> tuple[list[Any], Rollout]:
     """Returns the arguments as arrays in the order of the step, and the rollout."""
     array = lambda argument, x: _array(robot, name, argument, x)
-    signature = RolloutSignature.of(robot, *step)
+    signature = RolloutSignature.of(robot, step)
     arrays = {argument: array(argument, given) for argument, given in arguments.items()}
     signature.start(arrays, np.asarray)
     if cost is not None:
         signature.add_cost(arrays, cost, array, np)
         arrays["state_weights"] = np.ascontiguousarray(arrays["state_weights"])
+    if ground is not None:
+        signature.add_ground(arrays, ground, array, _concatenate)
     if signature.parameters.parameters:
         arrays["parameters"] = signature.parameters.flat(None, np.asarray, np.concatenate)
     found, own = signature.arrays(arrays)
@@ -73,19 +85,20 @@ def rollout(
     `step`: the method, such as `semi_implicit` for the function `step_semi_implicit`, or `step` for the function `step`,
     with contacts and joint limits. This one has the arguments `settings`: `StepSettings`, by default the result of
     `step_settings()`; `warm_start`: the accelerations from which the first solver starts, by default zeros; and `ground`: a
-    `HeightField` that sets the planes of the surfaces, by the place of each shape before each step. With a feedback, the
+    `HeightField` that sets the planes of the surfaces, by the place of each shape before each step; leading axes of its arrays
+    count motions, too. With a feedback, the
     forces are `controls` + `gains` (x_ref - x), where the difference of states has the difference of coordinates in tangent space, then
     the difference of velocities: `gains`: (nv, 2 nv) or (steps, nv, 2 nv); `q_ref`: (nq,) or (steps, nq); `qd_ref`: (nv,) or (steps, nv);
     one step stands for all of them. With `step="actuated"`, the function `step_actuated`, `controls` has a control for each
     actuator, (steps, controls), and further arguments are `act`: the activations before the first step, by default zeros;
-    and `applied`: (nv,), joint forces of all steps, by default zeros; there is no feedback and no `ground`. With `cost`, a
+    and `applied`: (nv,), joint forces of all steps, by default zeros; there is no feedback. With `cost`, a
     `QuadraticCost`, each step adds the cost of its forces and of the state after it. Leading axes count motions, and are broadcast.
     Result: `RolloutStates`: `q` and `qd`; with a cost `RolloutCosts`; of `step` `StepSolution` and of `actuated`
     `ActuatedStep`, with the largest `residual` and `iterations` of all steps with `trajectory=False`.
     """
     state = {"q": q, "qd": qd, "controls": controls, "dt": dt, "act": act, "applied": applied}
     arguments = {**state, "settings": settings, "warm_start": warm_start, "gains": gains, "q_ref": q_ref, "qd_ref": qd_ref}
-    arrays, code = _given(self, "rollout", arguments, (step, ground), trajectory, cost)
+    arrays, code = _given(self, "rollout", arguments, step, trajectory, cost, ground)
     return motions(code.handle.call(arrays))
 
 
@@ -122,12 +135,12 @@ def rollout_vjp(
     state = {"q": q, "qd": qd, "controls": controls, "dt": dt, "act": act, "applied": applied}
     arguments = {**state, "settings": settings, "warm_start": warm_start, "gains": gains, "q_ref": q_ref, "qd_ref": qd_ref}
     weights: tuple[Any, ...] = (q_cotangent, qd_cotangent, cost_cotangent)
-    arrays, code = _given(self, "rollout_vjp", arguments, (step, ground), trajectory, cost)
+    arrays, code = _given(self, "rollout_vjp", arguments, step, trajectory, cost, ground)
     if cost is None and weights[2] is not None:
         raise TypeError("`cost_cotangent` of `rollout_vjp` needs a `cost`")
     solves = code.step.start is not None
     own = ("cost",) if cost is not None else ()
-    names = ["q", "qd", *own, "controls", "dt", *(name for name in OWN if name in RolloutSignature.of(self, step, ground).shapes)]
+    names = ["q", "qd", *own, "controls", "dt", *(name for name in OWN if name in RolloutSignature.of(self, step).shapes)]
     names += [name for name in FEEDBACK if arguments[name] is not None]
     names += COST if cost is not None else ()
     wanted = [k for k, name in enumerate(names) if name not in own and k != code.step.start]
@@ -187,14 +200,17 @@ def simulate(
     """
     if steps < 1:
         raise ValueError(f"`steps` of `simulate` is {steps}; expected at least 1")
-    signature = RolloutSignature(self, "step", ground)
+    signature = RolloutSignature.of(self, "step")
     arguments = {"q": q, "qd": qd, "dt": dt, "settings": settings}
     given = {name: _array(self, "simulate", name, x) for name, x in arguments.items()}
     if given["dt"].ndim:
         raise ValueError(f"`dt` of `simulate` has the shape {given['dt'].shape}; expected a number")
     given["warm_start"] = None
     signature.start(given, np.asarray)
-    step, of_robot = signature.one_step(), signature.parameters
+    if ground is not None:
+        signature.add_ground(given, ground, lambda name, x: _array(self, "simulate", name, x), _concatenate)
+    field, of_ground = signature.ground(given)
+    step, of_robot = signature.one_step(Extras(field=field)), signature.parameters
     parameters = [of_robot.flat(None, np.asarray, np.concatenate)] if of_robot.parameters else []
     q, qd, qdd = given["q"], given["qd"], given["warm_start"]
     results: list[StepSolution] = []
@@ -202,7 +218,7 @@ def simulate(
         tau = _array(self, "simulate", "policy(time, q, qd)", policy(k * float(given["dt"]), q, qd))
         of_step = [q, qd, tau, given["dt"], qdd, given["settings"]]
         of_robot.check(of_step)
-        results.append(StepSolution(*step.handle.call(of_step + parameters)))
+        results.append(StepSolution(*step.handle.call([*of_step, *parameters, *of_ground])))
         q, qd, qdd = results[-1][:3]
     return StepSolution(*(np.stack(parts, q.ndim - 1) for parts in zip(*results)))
 

@@ -274,21 +274,16 @@ class QuadraticCost(NamedTuple):
 @dataclass(frozen=True, eq=False)
 class HeightField:
     """Ground whose height is given on a grid in the xy plane of the world, and interpolated bilinearly. Beyond the grid the ground goes
-    on level at the height of the border."""
+    on level at the height of the border. Leading axes are axes of motions, each of which can have its own ground; in functions of JAX and
+    of PyTorch the fields can be their arrays. Arrays in C order, of the numbers that the robot has, are read where they are.
+    """
 
     heights: ArrayLike
     """(rows, columns), m: columns along x, rows along y; two or more of each"""
-    origin: tuple[float, float] = (0.0, 0.0)
-    """the x and y of the first height, m"""
-    spacing: tuple[float, float] = (1.0, 1.0)
-    """the distances of neighbours along x and y, m"""
-
-    def _numbers(self) -> tuple[NDArray[Any], list[float], list[float]]:
-        heights = np.ascontiguousarray(self.heights, float)
-        if heights.ndim != 2:
-            raise ValueError(f"`heights` of `HeightField` has the shape {heights.shape}; expected (rows, columns)")
-        origin, spacing = ([float(x) for x in pair] for pair in (self.origin, self.spacing))
-        return heights, origin, spacing
+    origin: ArrayLike = (0.0, 0.0)
+    """(2,): the x and y of the first height, m"""
+    spacing: ArrayLike = (1.0, 1.0)
+    """(2,): the distances of neighbours along x and y, m"""
 
 
 class RolloutGradients(NamedTuple):

@@ -33,7 +33,7 @@ from jax.extend.core import Primitive
 from jax.interpreters import ad, batching, mlir
 
 from . import _cuda, _modyn
-from ._arrays import ArrayFunction, Rollout, RolloutGradient, RolloutSignature, Signature, documented, motions, unchanging
+from ._arrays import ArrayFunction, Rollout, RolloutGradient, RolloutSignature, Signature, documented, motions
 from ._modyn import Robot
 from ._results import ActuatedStep, StepSolution
 from ._types import ConstraintSettings, HeightField, QuadraticCost, RolloutCosts, RolloutStates, StepSettings, of_fields
@@ -66,16 +66,16 @@ def function(robot: Robot, name: str, link: str | int | None = None) -> Callable
 
 
 def rollout(
-    robot: Robot, step: str = "semi_implicit", trajectory: bool = True, ground: HeightField | None = None
+    robot: Robot, step: str = "semi_implicit", trajectory: bool = True
 ) -> Callable[..., RolloutStates | RolloutCosts | StepSolution | ActuatedStep]:
     """Returns the function `Robot.rollout` of a robot as a function of JAX's arrays.
 
     It is one call from the first step to the last, and so is its gradient, which stores few states. Other derivatives go through
     `lax.scan`. Its arguments are `q`, `qd`, `controls`, `dt`, and by keyword `gains`, `q_ref`, `qd_ref`, `cost` and `parameters`.
-    With `step="step"`, `settings` and `warm_start` are arguments, `ground` is a `HeightField`, and there are only first derivatives. With
+    With `step="step"`, `settings`, `warm_start` and `ground`, a `HeightField`, are arguments, and there are only first derivatives. With
     `step="actuated"` the controls are those of the actuators, `act` and `applied` are further arguments, and there is no feedback.
     """
-    signature = RolloutSignature(robot, step, unchanging(ground))
+    signature = RolloutSignature(robot, step)
     dtype = np.dtype(robot.dtype)
 
     def call(
@@ -92,6 +92,7 @@ def rollout(
         warm_start: Any = None,
         act: Any = None,
         applied: Any = None,
+        ground: HeightField | None = None,
         parameters: Any = None,
     ) -> Any:
         """Returns the states after each step, (..., steps, n), or after the last one."""
@@ -101,6 +102,8 @@ def rollout(
         signature.start(given, jnp.asarray)
         if cost is not None:
             signature.add_cost(given, cost, lambda name, x: _array(x, dtype, name, "rollout"), jnp)
+        if ground is not None:
+            signature.add_ground(given, ground, lambda name, x: _array(x, dtype, name, "rollout"), _concatenate)
         if signature.parameters.parameters:
             asarray = lambda x: _array(x, dtype, "parameters", "rollout")
             given["parameters"] = signature.parameters.flat(parameters, asarray, _concatenate)
@@ -221,6 +224,8 @@ def _devices() -> list[int]:
 
 def _on_cuda(*arrays: Any, code: Any) -> list[Any]:
     """Returns a call as a kernel that XLA starts on its stream."""
+    if isinstance(code, ArrayFunction) and code.extras.field is not None:
+        return code.on_planes(arrays, lambda code, arrays: _call.bind(*arrays, code=code), jnp)
     _kept[code.key] = code.handle
     devices = _devices()
     architectures = sorted({_cuda.driver().device(device)[0] for device in devices})
@@ -382,8 +387,9 @@ def _by_scan(*arrays: Any, code: Rollout, variables: tuple[int, ...]) -> list[An
 def _gradient_by_scan(*arrays: Any, code: RolloutGradient) -> list[Any]:
     """Returns the gradients of the weighted states of a rollout."""
     lead = _lead(arrays, code.inputs)
-    whole = [jnp.broadcast_to(x, (*lead, *own)) for x, own in zip(arrays, code.inputs)]
-    own, weights = whole[: len(code.rollout.inputs)], whole[len(code.rollout.inputs) :]
+    whole = lambda k: jnp.broadcast_to(arrays[k], (*lead, *code.inputs[k]))
+    own = arrays[: len(code.rollout.inputs)]
+    weights = [whole(k) for k in range(len(own), len(arrays))]
 
     def states(*varying: Any) -> list[Any]:
         given = list(own)
@@ -391,7 +397,7 @@ def _gradient_by_scan(*arrays: Any, code: RolloutGradient) -> list[Any]:
             given[k] = array
         return _scanned(*given, code=code.rollout)
 
-    return list(jax.vjp(states, *(own[k] for k in code.variables))[1](weights))
+    return list(jax.vjp(states, *map(whole, code.variables))[1](weights))
 
 
 def _rollout_jvp(primals: Any, tangents: Any, *, code: Rollout) -> Any:

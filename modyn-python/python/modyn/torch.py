@@ -26,6 +26,7 @@ import numpy as np
 
 from . import _cuda
 from ._arrays import (
+    NO_HEIGHTS,
     ArrayFunction,
     Rollout,
     RolloutGradient,
@@ -33,7 +34,6 @@ from ._arrays import (
     Signature,
     documented,
     motions,
-    unchanging,
 )
 from ._modyn import Robot
 from ._results import ActuatedStep, StepSolution
@@ -71,17 +71,17 @@ def function(robot: Robot, name: str, link: str | int | None = None) -> Callable
 
 
 def rollout(
-    robot: Robot, step: str = "semi_implicit", trajectory: bool = True, ground: HeightField | None = None
+    robot: Robot, step: str = "semi_implicit", trajectory: bool = True
 ) -> Callable[..., RolloutStates | RolloutCosts | StepSolution | ActuatedStep]:
     """Returns the function `Robot.rollout` of a robot as a function of PyTorch's tensors.
 
     It is one call from the first step to the last, and so is its gradient, which stores few states. (On CUDA each step is a kernel, and
     the gradient stores all states.) Its arguments are `q`, `qd`,
     `controls`, `dt`, and by keyword `gains`, `q_ref`, `qd_ref`, `cost` and `parameters`. It has first derivatives in reverse mode.
-    With `step="step"`, `settings` and `warm_start` are arguments, and `ground` is a `HeightField`. With `step="actuated"` the controls
+    With `step="step"`, `settings`, `warm_start` and `ground`, a `HeightField`, are arguments. With `step="actuated"` the controls
     are those of the actuators, `act` and `applied` are further arguments, and there is no feedback.
     """
-    signature = RolloutSignature(robot, step, unchanging(ground))
+    signature = RolloutSignature(robot, step)
     dtype = _dtype(robot)
 
     kept: dict[Any, torch.Tensor] = {}
@@ -99,6 +99,12 @@ def rollout(
             kept[at] = torch.from_numpy(x).to(device)
         return kept[at]
 
+    def on_device(name: str, x: Any, device: torch.device) -> torch.Tensor:
+        """Returns a tensor, or an array that is copied to CUDA once."""
+        if isinstance(x, torch.Tensor) or not _is_cuda(device):
+            return _tensor(x, dtype, name, "rollout", device)
+        return constant(_tensor(x, dtype, name, "rollout").numpy(), device)
+
     def call(
         q: Any,
         qd: Any,
@@ -113,6 +119,7 @@ def rollout(
         warm_start: Any = None,
         act: Any = None,
         applied: Any = None,
+        ground: HeightField | None = None,
         parameters: Any = None,
     ) -> Any:
         """Returns the states after each step, (..., steps, n), or after the last one."""
@@ -126,6 +133,8 @@ def rollout(
         if cost is not None:
             with device if _is_cuda(device) else contextlib.nullcontext():
                 signature.add_cost(given, cost, lambda name, x: _tensor(x, dtype, name, "rollout", device), torch)
+        if ground is not None:
+            signature.add_ground(given, ground, lambda name, x: on_device(name, x, device), _concatenate)
         if signature.parameters.parameters:
             asarray = lambda x: constant(x, device) if isinstance(x, np.ndarray) else _tensor(x, dtype, "parameters", "rollout", device)
             given["parameters"] = signature.parameters.flat(parameters, asarray, _concatenate)
@@ -284,6 +293,8 @@ def _computed(code: Any, tensors: Sequence[torch.Tensor]) -> list[torch.Tensor]:
             return _rolled_out(code, _by_step(code, tensors), tensors)
         if isinstance(code, RolloutGradient):
             return _rollout_gradient(code, tensors)
+        if isinstance(code, ArrayFunction) and code.extras.field is not None:
+            return code.on_planes(tensors, _computed, torch)
         return _cuda.call(code, device.index or 0, _stream(device), list(tensors), tensors[0].new_empty)
     arrays = [tensor.detach().contiguous().numpy() for tensor in tensors]
     return [torch.from_numpy(array) for array in code.handle.call(arrays)]
@@ -426,7 +437,7 @@ class _Call(torch.autograd.Function):
 
 def _resolved(number: int, reverse: bool) -> Any:
     code = _codes[number]
-    return code.derivative("reverse", range(len(code.inputs))) if reverse else code
+    return code.derivative("reverse", code.variable) if reverse else code
 
 
 @torch.library.custom_op("modyn::call", mutates_args=(), device_types=("cpu", "cuda"))
@@ -454,9 +465,12 @@ def _saved(ctx: Any, inputs: Any, output: Any) -> None:
 def _backward(ctx: Any, weights: list[torch.Tensor]) -> Any:
     if ctx.reverse:
         raise NotImplementedError("compiled functions have first derivatives; second ones need `modyn.torch` without `torch.compile`")
-    tensors = ctx.saved_tensors
+    tensors, variables = ctx.saved_tensors, _codes[ctx.function].variable
+    if any(needed and k not in variables for k, needed in enumerate(ctx.needs_input_grad[2])):
+        raise NotImplementedError(NO_HEIGHTS)
     found = torch.ops.modyn.call(ctx.function, True, [*tensors, *weights])
-    return None, None, [_sum_to(gradient, tensor) for gradient, tensor in zip(found, tensors)]
+    gradients = dict(zip(variables, found))
+    return None, None, [_sum_to(gradients[k], x) if k in gradients else None for k, x in enumerate(tensors)]
 
 
 _operator.register_autograd(_backward, setup_context=_saved)

@@ -32,7 +32,7 @@ impl<S: Number> ArrayCode<S> {
     /// # Errors
     ///
     /// If the arrays are not the function's arrays, if one is too short, or if a number is outside
-    /// of its range.
+    /// of its range: in an argument that stays in place, one that was read.
     pub fn compute(
         &self,
         broadcast: &Broadcast<'_>,
@@ -47,14 +47,15 @@ impl<S: Number> ArrayCode<S> {
                 let run =
                     |states: Range<usize>, lanes| kernel.compute(&arrays, states, lanes, pool);
                 share(&run, arrays.states(), kernel.cost(), kernel.lanes(), pool);
+                kernel.fault().map_or(Ok(()), Err)
             }
             Self::Rollout(rollout) => {
                 let ready = rollout.ready()?;
                 let run = |states: Range<usize>, lanes| ready.run(&arrays, states, lanes, pool);
                 share(&run, arrays.states(), ready.cost(), ready.lanes(), pool);
+                ready.fault().map_or(Ok(()), Err)
             }
         }
-        Ok(())
     }
 }
 

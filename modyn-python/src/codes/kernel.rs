@@ -23,6 +23,8 @@ pub struct ArrayShapes {
     inputs: Vec<Vec<usize>>,
     outputs: Vec<Vec<usize>>,
     lengths: [Vec<usize>; 2],
+    /// The numbers of each argument that are copied to rows: none of an argument that stays in place.
+    gathered: Vec<usize>,
     /// The arguments whose numbers are checked, by their indices and names.
     checks: Vec<(usize, &'static str, Check)>,
 }
@@ -30,9 +32,16 @@ pub struct ArrayShapes {
 impl ArrayShapes {
     /// Returns the shapes of arguments and results.
     pub fn new(inputs: Vec<Vec<usize>>, outputs: Vec<Vec<usize>>) -> Self {
-        let lengths = [&inputs, &outputs]
+        let lengths: [Vec<usize>; 2] = [&inputs, &outputs]
             .map(|shapes| shapes.iter().map(|shape| shape.iter().product()).collect());
-        Self { inputs, outputs, lengths, checks: Vec::new() }
+        let gathered = lengths[0].clone();
+        Self { inputs, outputs, lengths, gathered, checks: Vec::new() }
+    }
+
+    /// Returns the shapes of a function that reads these arguments in place, by their indices.
+    pub fn with_in_place(mut self, arguments: Range<usize>) -> Self {
+        self.gathered[arguments].fill(0);
+        self
     }
 
     /// Returns the shapes with checks of the numbers of arguments.
@@ -70,6 +79,11 @@ impl ArrayShapes {
     pub fn lengths(&self) -> [&[usize]; 2] {
         self.lengths.each_ref().map(Vec::as_slice)
     }
+
+    /// Returns the numbers of each argument in the rows that a kernel gets, and of each result.
+    pub fn rows(&self) -> [&[usize]; 2] {
+        [&self.gathered, &self.lengths[1]]
+    }
 }
 
 /// Code of a function that is more than one program.
@@ -91,7 +105,10 @@ pub trait OwnKernel<S: Number>: Send + Sync {
     fn lanes(&self) -> usize;
 
     /// Computes the result for one state, or for as many as there are lanes.
-    fn run(&self, numbers: &[S], result: &mut [S], lanes: usize);
+    fn run(&self, numbers: &[S], result: &mut [S], lanes: &Lanes<'_, S>);
+
+    /// Returns what was wrong with the arguments that it read in place, if anything was.
+    fn fault(&self) -> Option<String>;
 }
 
 /// A function of arrays: all arguments are one row of numbers, and so are all results.
@@ -166,8 +183,42 @@ pub struct Arrays<'a, S: Number> {
     broadcast: &'a Broadcast<'a>,
     inputs: &'a [Numbers<'a, S>],
     outputs: &'a [Results<'a, S>],
-    /// The numbers of one state in each result.
-    lengths: &'a [usize],
+    /// The numbers of one state in each argument, and in each result.
+    lengths: [&'a [usize]; 2],
+}
+
+/// The states that a kernel computes together, one in each lane. The last state of a call fills the
+/// lanes that are left.
+pub struct Lanes<'a, S: Number> {
+    arrays: &'a Arrays<'a, S>,
+    states: Range<usize>,
+}
+
+impl<'a, S: Number> Lanes<'a, S> {
+    /// Returns a lane for each of these states of a call.
+    pub fn new(arrays: &'a Arrays<'a, S>, states: Range<usize>) -> Self {
+        Self { arrays, states }
+    }
+
+    /// Returns the number of lanes.
+    pub fn count(&self) -> usize {
+        self.states.len()
+    }
+
+    /// Returns the state of a lane, among all states of the call.
+    pub fn state(&self, lane: usize) -> usize {
+        (self.states.start + lane).min(self.arrays.states() - 1)
+    }
+
+    /// Returns the number of states of the call.
+    pub fn states(&self) -> usize {
+        self.arrays.states()
+    }
+
+    /// Returns the argument with this index, which stays in place, in the state of a lane.
+    pub fn in_place(&self, array: usize, lane: usize) -> &'a [S] {
+        self.arrays.given(array, self.state(lane), 0, self.arrays.lengths[0][array])
+    }
 }
 
 impl<'a, S: Number> Arrays<'a, S> {
@@ -183,19 +234,19 @@ impl<'a, S: Number> Arrays<'a, S> {
         inputs: &'a [Numbers<'a, S>],
         outputs: &'a [Results<'a, S>],
     ) -> Result<Self, String> {
-        let [own_inputs, lengths] = shapes.lengths();
+        let lengths = shapes.lengths();
         let states = broadcast.states();
-        if inputs.len() != own_inputs.len() || outputs.len() != lengths.len() {
+        if inputs.len() != lengths[0].len() || outputs.len() != lengths[1].len() {
             return Err(format!(
                 "modyn: a function of {} arrays with {} results got {} and {}",
-                own_inputs.len(),
-                lengths.len(),
+                lengths[0].len(),
+                lengths[1].len(),
                 inputs.len(),
                 outputs.len()
             ));
         }
         broadcast.check(inputs)?;
-        let mut sizes = outputs.iter().zip(lengths);
+        let mut sizes = outputs.iter().zip(lengths[1]);
         if sizes.any(|(output, length)| output.len() != length * states) {
             return Err("modyn: an array of results has another size".into());
         }
@@ -209,13 +260,13 @@ impl<'a, S: Number> Arrays<'a, S> {
     }
 
     /// Returns `count` numbers of an argument in one state, from number `at` on.
-    pub fn given(&self, array: usize, state: usize, at: usize, count: usize) -> &[S] {
+    pub fn given(&self, array: usize, state: usize, at: usize, count: usize) -> &'a [S] {
         self.inputs[array].at(self.broadcast.place(array, state) + at, count)
     }
 
     /// Returns the places of `count` numbers of a result in one state, from number `at` on.
     pub fn found(&self, array: usize, state: usize, at: usize, count: usize) -> &[Cell<S>] {
-        self.outputs[array].at(state * self.lengths[array] + at, count)
+        self.outputs[array].at(state * self.lengths[1][array] + at, count)
     }
 
     /// Calls `each` with the rows of numbers in lanes that an argument is copied to: in each lane
@@ -293,12 +344,20 @@ impl<S: Number> Kernel<'_, S> {
         }
     }
 
+    /// Returns what was wrong with the arguments that it read in place, if anything was.
+    pub fn fault(&self) -> Option<String> {
+        match &self.runner {
+            Runner::Machine(_) | Runner::Evaluated(_) => None,
+            Runner::Own(kernel) => kernel.fault(),
+        }
+    }
+
     /// Computes the result for one state, or for as many as there are lanes.
-    pub fn run(&self, numbers: &[S], result: &mut [S], lanes: usize) {
+    pub fn run(&self, numbers: &[S], result: &mut [S], lanes: &Lanes<'_, S>) {
         match &self.runner {
             Runner::Machine(call) => {
                 // The arrays have the program's lengths, so the calls cannot fail.
-                let done = match lanes {
+                let done = match lanes.count() {
                     1 => call.one(&[numbers], result),
                     _ => call.in_lanes(&[numbers], result),
                 };
@@ -326,7 +385,7 @@ impl<S: Number> Kernel<'_, S> {
     fn one_by_one(&self, arrays: &Arrays<'_, S>, states: Range<usize>, pool: &dyn Pool) {
         let mut questions = Questions::new(pool);
         let work = self.work();
-        let [inputs, outputs] = self.shapes.lengths();
+        let [inputs, outputs] = self.shapes.rows();
         with_numbers(inputs.iter().sum(), |numbers: &mut [S]| {
             with_numbers(outputs.iter().sum(), |result: &mut [S]| {
                 for state in states {
@@ -336,7 +395,7 @@ impl<S: Number> Kernel<'_, S> {
                         (lane, rest) = rest.split_at_mut(length);
                         lane.copy_from_slice(arrays.given(k, state, 0, length));
                     }
-                    self.run(numbers, result, 1);
+                    self.run(numbers, result, &Lanes::new(arrays, state..state + 1));
                     let mut rest = &*result;
                     for (k, &length) in outputs.iter().enumerate() {
                         let lane;
@@ -361,7 +420,7 @@ impl<S: Number> Kernel<'_, S> {
     ) {
         let mut questions = Questions::new(pool);
         let work = self.work().saturating_mul(lanes);
-        let [inputs, outputs] = self.shapes.lengths();
+        let [inputs, outputs] = self.shapes.rows();
         let mut numbers = vec![S::zero(); inputs.iter().sum::<usize>() * lanes];
         let mut result = vec![S::zero(); outputs.iter().sum::<usize>() * lanes];
         for first in states.clone().step_by(lanes) {
@@ -372,7 +431,7 @@ impl<S: Number> Kernel<'_, S> {
                 (rows, rest) = rest.split_at_mut(length * lanes);
                 arrays.gather(k, &group, 0, rows, |place, number| *place = number);
             }
-            self.run(&numbers, &mut result, lanes);
+            self.run(&numbers, &mut result, &Lanes::new(arrays, group.clone()));
             let mut rest = &*result;
             for (k, &length) in outputs.iter().enumerate() {
                 let rows;

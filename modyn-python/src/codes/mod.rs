@@ -14,7 +14,7 @@ use crate::number::Number;
 
 pub use code::ArrayCode;
 pub use handle::{CodeHandle, Identity, find, leading, missing, no_step};
-pub use kernel::{ArrayShapes, Kernel, OwnCode, OwnKernel, StateFunction};
+pub use kernel::{ArrayShapes, Kernel, Lanes, OwnCode, OwnKernel, StateFunction};
 pub use states::{Broadcast, Numbers, Results, common};
 
 /// The code of a function of arrays, for either scalar.

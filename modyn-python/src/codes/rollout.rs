@@ -13,7 +13,7 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::kernel::{ArrayShapes, Arrays, Kernel, StateFunction};
+use super::kernel::{ArrayShapes, Arrays, Kernel, Lanes, StateFunction};
 use crate::number::Number;
 use crate::pool::{Pool, Questions};
 
@@ -68,7 +68,7 @@ impl<S: Number> Rollout<S> {
     /// If the step was not compiled, which no caller can bring about.
     pub fn ready(&self) -> Result<Ready<'_, S>, String> {
         let reverse = self.reverse.as_ref().map(|reverse| reverse.step.kernel()).transpose()?;
-        let [arguments, _] = self.step.shapes().lengths();
+        let [arguments, _] = self.step.shapes().rows();
         let rows_of = |&k: &usize| {
             let first: usize = arguments[..k].iter().sum();
             first..first + arguments[k]
@@ -123,6 +123,11 @@ impl<S: Number> Ready<'_, S> {
         if reverse == 1 { 1 } else { self.step.lanes() }
     }
 
+    /// Returns what was wrong with the arguments that it read in place, if anything was.
+    pub fn fault(&self) -> Option<String> {
+        self.step.fault().or_else(|| self.reverse.as_ref()?.fault())
+    }
+
     /// Computes motions; not all of them if the pool must end.
     pub fn run(
         &self,
@@ -152,9 +157,9 @@ impl<S: Number> Ready<'_, S> {
         }
     }
 
-    /// Returns the numbers of each argument of the step.
+    /// Returns the numbers of each argument in the rows of the step.
     fn arguments(&self) -> &[usize] {
-        let [arguments, _] = self.rollout.step.shapes().lengths();
+        let [arguments, _] = self.rollout.step.shapes().rows();
         arguments
     }
 
@@ -227,7 +232,8 @@ impl<S: Number> Ready<'_, S> {
         self.read(arrays, group, Some(step), memory);
         let Memory { numbers, next, lanes, .. } = memory;
         let arguments: usize = self.arguments().iter().sum();
-        self.step.run(&numbers[..arguments * *lanes], next, *lanes);
+        let motions = Lanes::new(arrays, group.motions.clone());
+        self.step.run(&numbers[..arguments * *lanes], next, &motions);
         self.restore(&next[..self.state_length() * *lanes], numbers, *lanes);
     }
 
@@ -342,7 +348,8 @@ impl<S: Number> Ready<'_, S> {
                     self.start_from(&states[at + state..][..state], start, memory);
                 }
                 self.read(arrays, group, Some(step), memory);
-                kernel.run(&memory.numbers, &mut gradients.of_step, lanes);
+                let motions = Lanes::new(arrays, group.motions.clone());
+                kernel.run(&memory.numbers, &mut gradients.of_step, &motions);
                 if memory.must_end(kernel) {
                     return;
                 }

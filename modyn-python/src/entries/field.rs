@@ -4,42 +4,20 @@
 //! The planes do not depend on the coordinates in derivatives: each is held where it is in the step.
 
 use std::ops::Range;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
-use modyn_codegen::Function;
-use modyn_codegen::plan::{Derivative, DerivativeMode, EntryFunction};
-use modyn_runtime::simulate::HeightField;
+use modyn_codegen::plan::{ArgumentKind, Derivative, DerivativeMode, EntryFunction};
+use modyn_codegen::{FloatType, Function};
+use modyn_runtime::simulate::HeightGrid;
 use modyn_runtime::{ContactSurface, Pose, SettingError, StepSettings};
 
-use crate::codes::{ArrayShapes, Kernel, OwnCode, OwnKernel, StateFunction};
+use super::signature;
+use crate::codes::{ArrayShapes, Kernel, Lanes, OwnCode, OwnKernel, StateFunction};
 use crate::number::Number;
 use crate::robot::Robot;
 
-/// The index of the settings among the arguments of `step`.
-const SETTINGS: usize = 5;
-
 /// The numbers of a pose. The plane of a surface is its first numbers.
 const POSE: usize = 12;
-
-/// The numbers of a `HeightField`.
-pub struct FieldNumbers<'a> {
-    /// The x and y of the first height, m.
-    pub origin: [f64; 2],
-    /// The distances of neighbours along x and y, m.
-    pub spacing: [f64; 2],
-    /// The number of heights along x.
-    pub columns: usize,
-    /// The heights, m, by rows.
-    pub heights: &'a [f64],
-}
-
-impl FieldNumbers<'_> {
-    /// Returns all bits.
-    pub fn bits(&self) -> Vec<u64> {
-        let numbers = self.origin.iter().chain(&self.spacing).chain(self.heights);
-        numbers.map(|number| number.to_bits()).chain([self.columns as u64]).collect()
-    }
-}
 
 /// Returns the function of the poses of the links that carry the touching shapes: twelve numbers for
 /// each shape.
@@ -56,74 +34,126 @@ pub fn poses(robot: &Robot) -> EntryFunction {
     }
 }
 
-/// A step on a height field, or a derivative of one.
+/// Returns the numbers of the plane of each touching shape among the settings.
+pub fn planes(shapes: usize) -> impl Iterator<Item = Range<usize>> {
+    let first = |shape| StepSettings::<f64>::COUNT + shape * ContactSurface::<f64>::COUNT;
+    (0..shapes).map(move |shape| first(shape)..first(shape) + POSE)
+}
+
+/// Returns the CUDA text of the kernel that sets the planes of settings below shapes, on a field with this
+/// many rows and columns: a function of `poses`, `settings`, `heights` and `grid`.
+pub fn planes_text(robot: &Robot, [rows, columns]: [usize; 2]) -> String {
+    let shapes = robot.model().touching_shapes();
+    let (real, suffix) = match robot.scalar() {
+        FloatType::F64 => ("double", ""),
+        FloatType::F32 => ("float", "f"),
+    };
+    let numbers = shapes.iter().flat_map(|shape| shape.end.pose.translation);
+    let centers: Vec<String> = numbers.map(|number| format!("{number:?}{suffix}")).collect();
+    let [first, surface] = [StepSettings::<f64>::COUNT, ContactSurface::<f64>::COUNT];
+    let count = shapes.len();
+    let constants = [
+        ("SHAPES", count),
+        ("SETTINGS", first + count * surface),
+        ("FIRST", first),
+        ("SURFACE", surface),
+        ("ROWS", rows),
+        ("COLUMNS", columns),
+    ];
+    let lines = constants.map(|(name, value)| format!("#define {name} {value}\n")).concat();
+    format!(
+        "typedef {real} real;\n{lines}static __device__ const real centers[] = {{ {} }};\n\n{}",
+        centers.join(", "),
+        include_str!("planes.cu")
+    )
+}
+
+/// How a step has a height field.
+#[derive(Debug)]
+pub struct FieldForm {
+    /// The number of rows and of columns of the heights.
+    shape: [usize; 2],
+    /// The settings, by their index among the arguments.
+    settings: usize,
+    /// The heights, which the grid follows, by their index among the arguments.
+    heights: usize,
+    /// The derivative of the step.
+    derivative: Option<Derivative>,
+}
+
+impl FieldForm {
+    /// Returns how a step or its derivative has a height field with this many rows and columns.
+    ///
+    /// # Errors
+    ///
+    /// If there are too few rows or columns, or the function is no step on the ground.
+    pub fn new(robot: &Robot, function: &EntryFunction, shape: [usize; 2]) -> Result<Self, String> {
+        let [rows, columns] = shape;
+        if rows < 2 || columns < 2 {
+            let expected = "two rows and two columns, or more";
+            return Err(format!(
+                "`heights` of `HeightField` has the shape ({rows}, {columns}); expected {expected}"
+            ));
+        }
+        let mut arguments = function.function.row().arguments.iter();
+        let settings =
+            arguments.position(|argument| argument.kind == ArgumentKind::StepSettings).ok_or_else(
+                || format!("`{}` is no step on the ground", function.function.name()),
+            )?;
+        let step = EntryFunction { derivatives: Vec::new(), ..function.clone() };
+        let heights = signature::shapes(robot, &step)?.inputs().len();
+        let derivative = function.derivatives.first().cloned();
+        Ok(Self { shape, settings, heights, derivative })
+    }
+}
+
+/// A step on a height field, or a derivative of one: after the arguments of the step, `heights` (rows,
+/// columns) and `grid`, the x and y of the first height and the distances of neighbours along x and y.
 pub struct FieldStep<S: Number + 'static> {
     step: Arc<StateFunction<S>>,
     /// The poses of the links that carry the shapes.
     poses: Arc<StateFunction<S>>,
-    origin: [S; 2],
-    spacing: [S; 2],
-    columns: usize,
-    heights: Vec<S>,
     /// The centres of the shapes in the frames of their links.
     centers: Vec<[S; 3]>,
-    derivative: Option<Derivative>,
+    form: FieldForm,
+    shapes: ArrayShapes,
 }
 
 impl<S: Number> FieldStep<S> {
-    /// Returns a step on a height field.
-    ///
-    /// # Errors
-    ///
-    /// If a number of the field is outside of its range.
-    pub fn new(
-        robot: &Robot,
-        [step, poses]: [Arc<StateFunction<S>>; 2],
-        field: &FieldNumbers<'_>,
-        derivative: Option<Derivative>,
-    ) -> Result<Self, SettingError> {
-        let shapes = robot.model().touching_shapes().into_iter();
-        let centers = shapes.map(|shape| shape.end.pose.translation.map(S::from_f64));
-        let step = Self {
-            step,
-            poses,
-            origin: field.origin.map(S::from_f64),
-            spacing: field.spacing.map(S::from_f64),
-            columns: field.columns,
-            heights: field.heights.iter().map(|&height| S::from_f64(height)).collect(),
-            centers: centers.collect(),
-            derivative,
-        };
-        // In the scalar a number can be infinite, or zero.
-        step.field()?;
-        Ok(step)
-    }
-
-    /// Returns the field.
-    fn field(&self) -> Result<HeightField<'_, S>, SettingError> {
-        HeightField::new(self.origin, self.spacing, self.columns, &self.heights)
+    /// Returns a step on a height field, given the code of the step or of its derivative, and of the
+    /// poses of the links that carry the shapes.
+    pub fn new(robot: &Robot, [step, poses]: [Arc<StateFunction<S>>; 2], form: FieldForm) -> Self {
+        let touching = robot.model().touching_shapes().into_iter();
+        let centers = touching.map(|shape| shape.end.pose.translation.map(S::from_f64)).collect();
+        let ground = form.heights..form.heights + 2;
+        let mut inputs = step.shapes().inputs().to_vec();
+        inputs.splice(form.heights..form.heights, [form.shape.to_vec(), vec![4]]);
+        let shapes = ArrayShapes::new(inputs, step.shapes().outputs().to_vec())
+            .with_in_place(ground)
+            .with_checks(step.shapes().checks().to_vec());
+        Self { step, poses, centers, form, shapes }
     }
 
     /// Returns the shapes of the arrays.
     pub fn shapes(&self) -> &ArrayShapes {
-        self.step.shapes()
+        &self.shapes
     }
 }
 
 impl<S: Number> OwnCode<S> for FieldStep<S> {
     fn ready(&self) -> Result<Box<dyn OwnKernel<S> + '_>, String> {
         let [step, poses] = [self.step.kernel()?, self.poses.kernel()?];
-        let field = self.field().map_err(|error| error.to_string())?;
-        Ok(Box::new(ReadyStep { function: self, field, step, poses }))
+        Ok(Box::new(ReadyStep { function: self, step, poses, fault: OnceLock::new() }))
     }
 }
 
 /// A step on a height field, ready to be called.
 struct ReadyStep<'a, S: Number + 'static> {
     function: &'a FieldStep<S>,
-    field: HeightField<'a, S>,
     step: Kernel<'a, S>,
     poses: Kernel<'a, S>,
+    /// The first number of a field that was found outside of its range.
+    fault: OnceLock<String>,
 }
 
 impl<S: Number> OwnKernel<S> for ReadyStep<'_, S> {
@@ -135,48 +165,52 @@ impl<S: Number> OwnKernel<S> for ReadyStep<'_, S> {
         self.poses.lanes().min(self.step.lanes())
     }
 
-    fn run(&self, numbers: &[S], result: &mut [S], lanes: usize) {
+    fn fault(&self) -> Option<String> {
+        self.fault.get().cloned()
+    }
+
+    fn run(&self, numbers: &[S], result: &mut [S], lanes: &Lanes<'_, S>) {
         let mut numbers = numbers.to_vec();
         self.set_planes(&mut numbers, lanes);
-        let shapes = self.function.shapes();
+        let count = lanes.count();
+        let FieldStep { centers, form, step, .. } = self.function;
         let hold = |numbers: &mut [S], first: usize, stride: usize| {
-            for plane in self.planes() {
+            for plane in planes(centers.len()) {
                 for entry in plane {
                     numbers[first + entry * stride..][..stride].fill(S::zero());
                 }
             }
         };
-        let derivative = self.function.derivative.as_ref();
-        let at = derivative.and_then(|derivative| {
+        let at = form.derivative.as_ref().and_then(|derivative| {
             let mut variables = derivative.variables.iter();
-            Some((derivative, variables.position(|&k| k == SETTINGS)?))
+            Some((derivative, variables.position(|&k| k == form.settings)?))
         });
         let Some((Derivative { mode, variables }, at)) = at else {
             return self.step.run(&numbers, result, lanes);
         };
-        let [inputs, outputs] = shapes.lengths();
+        let [inputs, outputs] = step.shapes().lengths();
         match mode {
             DerivativeMode::Forward => {
                 // The changes of the variables are the last arguments.
                 let first = inputs.len() - variables.len() + at;
                 let row: usize = inputs[..first].iter().sum();
-                hold(&mut numbers, row * lanes, lanes);
+                hold(&mut numbers, row * count, count);
                 self.step.run(&numbers, result, lanes);
             }
             DerivativeMode::Reverse => {
                 self.step.run(&numbers, result, lanes);
                 let row: usize = outputs[..at].iter().sum();
-                hold(result, row * lanes, lanes);
+                hold(result, row * count, count);
             }
             DerivativeMode::Matrix => {
                 self.step.run(&numbers, result, lanes);
                 // The matrices of each result follow each other, by rows.
-                let columns = inputs[SETTINGS];
+                let columns = inputs[form.settings];
                 let mut row = 0;
                 for (k, &length) in outputs.iter().enumerate() {
                     if k % variables.len() == at {
                         for entry in (row..row + length).step_by(columns) {
-                            hold(result, entry * lanes, lanes);
+                            hold(result, entry * count, count);
                         }
                     }
                     row += length;
@@ -187,32 +221,53 @@ impl<S: Number> OwnKernel<S> for ReadyStep<'_, S> {
 }
 
 impl<S: Number> ReadyStep<'_, S> {
-    /// Returns the numbers of each plane among the settings.
-    fn planes(&self) -> impl Iterator<Item = Range<usize>> {
-        let first = |shape| StepSettings::<S>::COUNT + shape * ContactSurface::<S>::COUNT;
-        (0..self.function.centers.len()).map(move |shape| first(shape)..first(shape) + POSE)
-    }
-
     /// Sets the planes of the settings to the planes of the field below the shapes.
-    fn set_planes(&self, numbers: &mut [S], lanes: usize) {
-        let FieldStep { centers, .. } = self.function;
-        let [inputs, _] = self.function.shapes().lengths();
-        let mut poses = vec![S::zero(); POSE * centers.len() * lanes];
-        self.poses.run(&numbers[..inputs[0] * lanes], &mut poses, lanes);
-        let settings: usize = inputs[..SETTINGS].iter().sum();
-        let shapes = self.planes().zip(centers).zip(poses.chunks_exact(POSE * lanes));
-        for ((plane, &center), pose) in shapes {
-            for lane in 0..lanes {
-                let number = |k: usize| pose[k * lanes + lane];
+    fn set_planes(&self, numbers: &mut [S], lanes: &Lanes<'_, S>) {
+        let FieldStep { centers, form, step, .. } = self.function;
+        let [inputs, _] = step.shapes().lengths();
+        let count = lanes.count();
+        let mut poses = vec![S::zero(); POSE * centers.len() * count];
+        self.poses.run(&numbers[..inputs[0] * count], &mut poses, lanes);
+        let settings: usize = inputs[..form.settings].iter().sum();
+        for lane in 0..count {
+            let shapes = planes(centers.len()).zip(centers).zip(poses.chunks_exact(POSE * count));
+            for ((plane, &center), pose) in shapes {
+                let number = |k: usize| pose[k * count + lane];
                 let [x, y, z, translation] =
                     [0, 3, 6, 9].map(|row| [0, 1, 2].map(|k| number(row + k)));
                 let pose = Pose { rotation: [x, y, z], translation };
-                let Pose { rotation, translation } = self.field.plane_below(pose, center);
+                let Pose { rotation, translation } =
+                    match self.plane_below(pose, center, lanes, lane) {
+                        Ok(plane) => plane,
+                        Err(error) => {
+                            let several = lanes.states() > 1;
+                            let state = lanes.state(lane);
+                            self.fault.get_or_init(|| match several {
+                                true => format!("{error} (in state {state})"),
+                                false => error.to_string(),
+                            });
+                            return;
+                        }
+                    };
                 let entries = rotation.iter().flatten().chain(&translation);
-                for (&entry, k) in entries.zip(plane.clone()) {
-                    numbers[(settings + k) * lanes + lane] = entry;
+                for (&entry, k) in entries.zip(plane) {
+                    numbers[(settings + k) * count + lane] = entry;
                 }
             }
         }
+    }
+
+    /// Returns the plane of the field below a point of a link, in the state of a lane.
+    fn plane_below(
+        &self,
+        pose: Pose<S>,
+        place: [S; 3],
+        lanes: &Lanes<'_, S>,
+        lane: usize,
+    ) -> Result<Pose<S>, SettingError> {
+        let FieldForm { shape: [rows, columns], heights, .. } = self.function.form;
+        let [x, y, along_x, along_y] = [0, 1, 2, 3].map(|k| lanes.in_place(heights + 1, lane)[k]);
+        let grid = HeightGrid::new([x, y], [along_x, along_y], [columns, rows])?;
+        grid.plane_below(lanes.in_place(heights, lane), pose, place)
     }
 }

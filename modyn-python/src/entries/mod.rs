@@ -20,8 +20,6 @@ use std::sync::{Arc, PoisonError};
 
 use modyn_codegen::plan::{Derivative, DerivativeMode, EntryFunction, Planned};
 use modyn_codegen::{FloatType, Function};
-use numpy::PyReadonlyArray2;
-use numpy::prelude::*;
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 
@@ -31,7 +29,7 @@ use crate::codes::{
 use crate::errors::{description_error, warn_of_machine_code};
 use crate::robot::Robot;
 pub use cuda::CudaKernel;
-use field::{FieldNumbers, FieldStep};
+use field::{FieldForm, FieldStep};
 pub use xla::{xla_cuda_handler, xla_handler};
 
 /// Returns a derivative, given its mode and the indices of the arrays that vary.
@@ -59,6 +57,27 @@ fn identity_of(
     Identity::of((version, arrays, scalar == FloatType::F32, machine, texts))
 }
 
+/// What a time step of a rollout has beside the function of the table.
+#[derive(FromPyObject)]
+struct Extras {
+    /// The arguments `gains`, `q_ref` and `qd_ref`.
+    feedback: bool,
+    /// The array `cost` of the state, and `q_goal`, `qd_goal`, `state_weights` and `control_weights`.
+    cost: bool,
+    /// The rows and columns of a height field: the last arguments are its `heights` and `grid`, and the
+    /// field sets the planes of the surfaces below the shapes.
+    field: Option<[usize; 2]>,
+}
+
+/// Returns a function of arrays with a feedback and with a cost, if there are any.
+fn with_extras(function: EntryFunction, extras: &Extras) -> EntryFunction {
+    let Extras { feedback, cost, .. } = *extras;
+    let mut results = function.results;
+    let count = results.iter().map(Vec::len).sum();
+    results.extend(cost.then(|| vec![count]));
+    EntryFunction { results, feedback, cost, ..function }
+}
+
 #[pymethods]
 impl Robot {
     /// Returns the names of the arguments of a function, each with its shape and its default; the
@@ -76,70 +95,56 @@ impl Robot {
     }
 
     /// Returns the code of a function or of a derivative. Each derivative is its mode (`forward`,
-    /// `reverse` or `matrix`) and the indices of the arrays that vary. With `feedback`, a time step has the arguments
-    /// `gains`, `q_ref` and `qd_ref`; with `cost`, the array `cost` of the state, and `q_goal`,
-    /// `qd_goal`, `state_weights` and `control_weights`. For `modyn.jax` and `modyn.torch`.
-    #[pyo3(signature = (name, link, derivatives, feedback=false, cost=false))]
+    /// `reverse` or `matrix`) and the indices of the arrays that vary. For `modyn.jax` and
+    /// `modyn.torch`.
     fn _array_code(
         &self,
         py: Python<'_>,
         name: &str,
         link: Option<&Bound<'_, PyAny>>,
         derivatives: Vec<(String, Vec<usize>)>,
-        feedback: bool,
-        cost: bool,
+        extras: Extras,
     ) -> PyResult<CodeHandle> {
-        let function = self.entry_function(name, link, derivatives)?;
-        self.code_of(py, &self.with_extras(function, feedback, cost))
+        let plain = self.entry_function(name, link, derivatives)?;
+        let function = with_extras(plain, &extras);
+        let code = self.code_of(py, &function)?;
+        match extras.field {
+            None => Ok(code),
+            Some(shape) => self.on_field(py, &function, &code, shape),
+        }
     }
 
     /// Returns the text of a kernel on CUDA for the function or the derivative that `_array_code`
-    /// has for these arguments.
-    #[pyo3(signature = (name, link, derivatives, feedback=false, cost=false))]
+    /// has for these arguments, without a height field.
     fn _array_text(
         &self,
         py: Python<'_>,
         name: &str,
         link: Option<&Bound<'_, PyAny>>,
         derivatives: Vec<(String, Vec<usize>)>,
-        feedback: bool,
-        cost: bool,
+        extras: Extras,
     ) -> PyResult<String> {
         let plain = self.entry_function(name, link, derivatives)?;
-        let function = self.with_extras(plain, feedback, cost);
+        let function = with_extras(plain, &extras);
         let shapes = signature::shapes(self, &function).map_err(PyValueError::new_err)?;
-        let builder = self.builder().clone().scalar(self.scalar());
-        let text = py.detach(|| builder.emit_rows(&function, shapes.lengths()));
-        text.map_err(|errors| description_error(py, &errors))
+        self.text_of(py, &function, shapes.lengths())
     }
 
-    /// Returns the code of `step` on a height field, which sets the planes of the surfaces: given
-    /// the code of the step, or of its derivative, which is a mode (`forward`, `reverse` or
-    /// `matrix`) and the indices of the arrays that vary. `heights`: (rows, columns).
-    #[pyo3(signature = (step, derivative, heights, origin, spacing))]
-    fn _field_code(
+    /// Returns the texts of two kernels on CUDA: of the poses of the links that carry the touching
+    /// shapes, (12 shapes,), from `q`; and of the settings with the planes of a height field of these
+    /// rows and columns below the shapes, from the poses, `settings`, `heights` and `grid`. With them
+    /// the places of the planes among the settings, each the first of twelve numbers.
+    fn _field_texts(
         &self,
         py: Python<'_>,
-        step: &CodeHandle,
-        derivative: Option<(String, Vec<usize>)>,
-        heights: PyReadonlyArray2<'_, f64>,
-        origin: [f64; 2],
-        spacing: [f64; 2],
-    ) -> PyResult<CodeHandle> {
-        let derivative = derivative.map(parsed).transpose()?;
-        let poses = self.code_of(py, &field::poses(self))?;
-        let columns = heights.shape()[1];
-        let heights = heights.as_slice()?;
-        let numbers = FieldNumbers { origin, spacing, columns, heights };
-        let identity = Identity::of((
-            (step.identity(), poses.identity()),
-            format!("{derivative:?}"),
-            numbers.bits(),
-        ));
-        CodeHandle::new(identity, || match step.code() {
-            AnyCode::F64(step) => self.on_field(step, poses.code(), &numbers, derivative),
-            AnyCode::F32(step) => self.on_field(step, poses.code(), &numbers, derivative),
-        })
+        field: [usize; 2],
+    ) -> PyResult<(String, String, Vec<usize>)> {
+        let poses = field::poses(self);
+        let results: Vec<usize> = poses.results.iter().map(Vec::len).collect();
+        let of_poses = self.text_of(py, &poses, [&[self.model().nq()], &results])?;
+        let count = self.model().touching_shapes().len();
+        let places = field::planes(count).map(|plane| plane.start).collect();
+        Ok((of_poses, field::planes_text(self, field), places))
     }
 }
 
@@ -157,12 +162,16 @@ impl Robot {
         Ok(EntryFunction { function, link, results, feedback: false, cost: false, derivatives })
     }
 
-    /// Returns a function of arrays with a feedback, with a cost, or with both.
-    fn with_extras(&self, function: EntryFunction, feedback: bool, cost: bool) -> EntryFunction {
-        let mut results = function.results;
-        let count = results.iter().map(Vec::len).sum();
-        results.extend(cost.then(|| vec![count]));
-        EntryFunction { results, feedback, cost, ..function }
+    /// Returns the text of a kernel on CUDA, given the numbers of each argument and of each result.
+    fn text_of(
+        &self,
+        py: Python<'_>,
+        function: &EntryFunction,
+        lengths: [&[usize]; 2],
+    ) -> PyResult<String> {
+        let builder = self.builder().clone().scalar(self.scalar());
+        let text = py.detach(|| builder.emit_rows(function, lengths));
+        text.map_err(|errors| description_error(py, &errors))
     }
 
     /// Returns the function of the table with this name, and the index of its link.
@@ -197,20 +206,33 @@ impl Robot {
         Ok((function, link))
     }
 
-    /// Returns the code of a step on a height field, given the code of the step and of the poses of
-    /// the links that carry the shapes.
-    fn on_field<S: CodeNumber>(
+    /// Returns the code of a step on a height field with this many rows and columns, given the code of
+    /// the step or of its derivative.
+    fn on_field(
+        &self,
+        py: Python<'_>,
+        function: &EntryFunction,
+        step: &CodeHandle,
+        shape: [usize; 2],
+    ) -> PyResult<CodeHandle> {
+        let form = FieldForm::new(self, function, shape).map_err(PyValueError::new_err)?;
+        let poses = self.code_of(py, &field::poses(self))?;
+        let identity = Identity::of((step.identity(), poses.identity(), format!("{form:?}")));
+        CodeHandle::new(identity, || match step.code() {
+            AnyCode::F64(step) => self.step_on_field(step, poses.code(), form),
+            AnyCode::F32(step) => self.step_on_field(step, poses.code(), form),
+        })
+    }
+
+    fn step_on_field<S: CodeNumber>(
         &self,
         step: &ArrayCode<S>,
         poses: &AnyCode,
-        field: &FieldNumbers<'_>,
-        derivative: Option<Derivative>,
+        form: FieldForm,
     ) -> PyResult<AnyCode> {
         let ArrayCode::Function(step) = step else { return Err(no_step()) };
         let Some(ArrayCode::Function(poses)) = S::code(poses) else { return Err(no_step()) };
-        let functions = [step, poses].map(Arc::clone);
-        let on_field = FieldStep::new(self, functions, field, derivative)
-            .map_err(|error| PyValueError::new_err(error.to_string()))?;
+        let on_field = FieldStep::new(self, [step, poses].map(Arc::clone), form);
         let shapes = on_field.shapes().clone();
         let function = StateFunction::of_own_code(on_field, shapes);
         Ok(S::any(ArrayCode::Function(Arc::new(function))))

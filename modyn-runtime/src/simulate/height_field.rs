@@ -26,14 +26,20 @@ use crate::{Robot, Scalar, ShapeCenter, functions};
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HeightField<'a, T = f64> {
+    grid: HeightGrid<T>,
+    /// The heights, m: row by row, along x within a row.
+    heights: &'a [T],
+}
+
+/// The grid of a height field: the places of heights, in the xy plane of the world.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HeightGrid<T = f64> {
     /// The x and y of the first height, m.
     origin: [T; 2],
     /// The distances of neighbours along x and y, m.
     spacing: [T; 2],
     /// The number of heights along x, and along y.
     counts: [usize; 2],
-    /// The heights, m: row by row, along x within a row.
-    heights: &'a [T],
 }
 
 /// The cell of a grid along one axis.
@@ -68,15 +74,9 @@ impl<'a, T: Scalar + Into<f64>> HeightField<'a, T> {
             let range = SettingRange::Grid;
             return Err(SettingError { name: "heights", place, value, range });
         }
-        for (x, distance) in origin.into_iter().zip(spacing) {
-            SettingRange::Finite.check("origin", place, x.into())?;
-            SettingRange::Positive.check("spacing", place, distance.into())?;
-        }
-        for (k, &height) in heights.iter().enumerate() {
-            let place = SettingPlace::Height { row: k / columns, column: k % columns };
-            SettingRange::Finite.check("heights", place, height.into())?;
-        }
-        Ok(Self { origin, spacing, counts: [columns, rows], heights })
+        let grid = HeightGrid::new(origin, spacing, [columns, rows])?;
+        (0..heights.len()).try_for_each(|k| grid.check_height(heights, k))?;
+        Ok(Self { grid, heights })
     }
 
     /// Returns the plane that touches the ground below a point at this x and y (m): its z axis is
@@ -84,9 +84,103 @@ impl<'a, T: Scalar + Into<f64>> HeightField<'a, T> {
     /// the world.
     #[must_use]
     pub fn plane(&self, point: [T; 2]) -> Pose<T> {
+        self.grid.plane(self.heights, point)
+    }
+
+    /// Returns the plane below a point of a link: `pose` is the link's pose, and `place` the point in
+    /// the link's axes, m.
+    #[must_use]
+    pub fn plane_below(&self, pose: Pose<T>, place: [T; 3]) -> Pose<T> {
+        self.plane(above(pose, place))
+    }
+
+    /// Returns `settings` with the plane below the centre of each shape that touches the ground, for a
+    /// step from the coordinates `q` on.
+    #[must_use]
+    pub fn under<R>(&self, q: &R::Q<T>, settings: &SurfaceSettings<R, T>) -> SurfaceSettings<R, T>
+    where
+        R: Robot + functions::LinkPoses,
+    {
+        let poses = R::link_poses(q);
+        let mut settings = *settings;
+        let centers = R::TOUCHING_SHAPE_CENTERS;
+        for (surface, ShapeCenter { link, place }) in
+            settings.surfaces.as_mut().iter_mut().zip(centers)
+        {
+            surface.plane = self.plane_below(poses.as_ref()[*link], place.map(T::from_f64));
+        }
+        settings
+    }
+}
+
+/// Returns the x and y of a point of a link: `pose` is the link's pose, and `place` the point in the
+/// link's axes.
+fn above<T: Scalar>(pose: Pose<T>, place: [T; 3]) -> [T; 2] {
+    let [x, y, _] = pose.rotate(place);
+    [x + pose.translation[0], y + pose.translation[1]]
+}
+
+impl<T: Scalar + Into<f64>> HeightGrid<T> {
+    /// Returns the grid whose first height is at `origin`, with these distances of neighbours along x
+    /// and y (m), and these numbers of heights along x and y.
+    ///
+    /// # Errors
+    ///
+    /// If there are not two heights along each axis, if a number is not finite, or if a distance is
+    /// not above zero.
+    #[allow(clippy::cast_precision_loss)]
+    pub fn new(origin: [T; 2], spacing: [T; 2], counts: [usize; 2]) -> Result<Self, SettingError> {
+        let place = SettingPlace::HeightField;
+        if counts.iter().any(|&count| count < 2) {
+            let value = (counts[0] * counts[1]) as f64;
+            let range = SettingRange::Grid;
+            return Err(SettingError { name: "heights", place, value, range });
+        }
+        for (x, distance) in origin.into_iter().zip(spacing) {
+            SettingRange::Finite.check("origin", place, x.into())?;
+            SettingRange::Positive.check("spacing", place, distance.into())?;
+        }
+        Ok(Self { origin, spacing, counts })
+    }
+
+    /// Checks the height with this index.
+    fn check_height(&self, heights: &[T], index: usize) -> Result<(), SettingError> {
+        let [columns, _] = self.counts;
+        let place = SettingPlace::Height { row: index / columns, column: index % columns };
+        SettingRange::Finite.check("heights", place, heights[index].into())
+    }
+
+    /// Returns the plane below a point of a link, as [`HeightField::plane_below`] does, on ground with
+    /// these heights (m), row by row. Only the four heights around the point are read.
+    ///
+    /// # Errors
+    ///
+    /// If one of the four is not finite.
+    ///
+    /// # Panics
+    ///
+    /// If there are fewer heights than the grid has.
+    pub fn plane_below(
+        &self,
+        heights: &[T],
+        pose: Pose<T>,
+        place: [T; 3],
+    ) -> Result<Pose<T>, SettingError> {
+        let point = above(pose, place);
+        let plane = self.plane(heights, point);
+        if !plane.translation[2].into().is_finite() {
+            let [x, y] = [0, 1].map(|axis| self.cell(axis, point[axis]).first);
+            let first = y * self.counts[0] + x;
+            let corners = [0, 1, self.counts[0], self.counts[0] + 1];
+            corners.iter().try_for_each(|corner| self.check_height(heights, first + corner))?;
+        }
+        Ok(plane)
+    }
+
+    /// Returns the plane that touches the ground below a point, as [`HeightField::plane`] does.
+    fn plane(&self, heights: &[T], point: [T; 2]) -> Pose<T> {
         let [x, y] = [0, 1].map(|axis| self.cell(axis, point[axis]));
-        let height =
-            |i: usize, j: usize| self.heights[(y.first + j) * self.counts[0] + x.first + i];
+        let height = |i: usize, j: usize| heights[(y.first + j) * self.counts[0] + x.first + i];
         let mix = |a: T, b: T, part: T| a + (b - a) * part;
         let along = [0, 1].map(|i| mix(height(i, 0), height(i, 1), y.part));
         let across = [0, 1].map(|j| mix(height(0, j), height(1, j), x.part));
@@ -113,31 +207,5 @@ impl<'a, T: Scalar + Into<f64>> HeightField<'a, T> {
         let bounded = (part - T::one()).select_nonnegative(T::one(), positive(part));
         let slope = if inside { self.spacing[axis].recip() } else { T::zero() };
         Cell { first, part: bounded, slope }
-    }
-
-    /// Returns the plane below a point of a link: `pose` is the link's pose, and `place` the point in
-    /// the link's axes, m.
-    #[must_use]
-    pub fn plane_below(&self, pose: Pose<T>, place: [T; 3]) -> Pose<T> {
-        let [x, y, _] = pose.rotate(place);
-        self.plane([x + pose.translation[0], y + pose.translation[1]])
-    }
-
-    /// Returns `settings` with the plane below the centre of each shape that touches the ground, for a
-    /// step from the coordinates `q` on.
-    #[must_use]
-    pub fn under<R>(&self, q: &R::Q<T>, settings: &SurfaceSettings<R, T>) -> SurfaceSettings<R, T>
-    where
-        R: Robot + functions::LinkPoses,
-    {
-        let poses = R::link_poses(q);
-        let mut settings = *settings;
-        let centers = R::TOUCHING_SHAPE_CENTERS;
-        for (surface, ShapeCenter { link, place }) in
-            settings.surfaces.as_mut().iter_mut().zip(centers)
-        {
-            surface.plane = self.plane_below(poses.as_ref()[*link], place.map(T::from_f64));
-        }
-        settings
     }
 }

@@ -34,7 +34,7 @@ pub mod rollout;
 mod step;
 
 pub use ground::{SpringGround, limit_effort};
-pub use height_field::HeightField;
+pub use height_field::{HeightField, HeightGrid};
 pub use step::SolvedStep;
 
 use core::fmt;
