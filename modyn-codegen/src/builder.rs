@@ -26,12 +26,13 @@ use crate::options::{
     FusedFunction, ModuleChoice, OptionError, Options, Value, option_table, user,
 };
 use crate::plan::{
-    Choices, CodeForm, EntryFunction, Function, NamedFunction, Plan, TooLong, TracedFunction,
+    Choices, CodeForm, EntryFunction, EntrySource, Function, NamedFunction, Plan, TooLong,
+    TracedFunction,
 };
 use crate::program::Execution;
 use checks::{
-    invalid_programs, left_out, links_that_move, needs_inertia, too_long, too_long_entries,
-    without_hessian, without_inertia,
+    invalid_programs, left_out, links_that_move, needs_inertia, no_fused_function, too_long,
+    too_long_entries, without_hessian, without_inertia,
 };
 pub use object::ObjectPlanning;
 use source::Source;
@@ -432,12 +433,13 @@ impl Builder {
     /// Returns the program of one function of arrays of plain numbers, or of a derivative of one,
     /// for back ends that print no text: for libraries that differentiate by every entry of their
     /// arrays. The program has one argument and one result, in which the arrays follow one another.
-    /// The options `functions` and `fused` have no effect.
+    /// The option `functions` has no effect; `fused` has the fused functions that `function` can
+    /// name.
     ///
     /// # Errors
     ///
     /// Returns all errors of the description and the options, and an error if the function has too
-    /// many operations.
+    /// many operations, or is a fused function that there is not.
     pub fn plan_entries(&self, function: &EntryFunction) -> Result<Planning, Diagnostics> {
         self.planned_entries(function, Execution::Simd)
     }
@@ -448,12 +450,12 @@ impl Builder {
     /// each argument (`unsigned int`), and the number of states. The argument of state `i` is row
     /// `i / every % rows` of its array, whose rows are `stride` numbers apart. `lengths` are the
     /// numbers of a row of each argument and of each result. A block has at most 128 threads. The
-    /// options `functions` and `fused` have no effect.
+    /// option `functions` has no effect; `fused` has the fused functions that `function` can name.
     ///
     /// # Errors
     ///
     /// Returns all errors of the description and the options, and an error if the function has too
-    /// many operations.
+    /// many operations, or is a fused function that there is not.
     pub fn emit_rows(
         &self,
         function: &EntryFunction,
@@ -481,6 +483,10 @@ impl Builder {
             let derivatives = function.derivatives.len();
             Diagnostics::new(vec![too_long_entries(&model, &modules, &reason, derivatives)])
         })?;
+        if let (EntrySource::Fused(name), []) = (&function.source, &*plan.functions) {
+            let names = choices.fused.iter().map(|fused| fused.name);
+            return Err(Diagnostics::new(vec![no_fused_function(name, names)]));
+        }
         let warnings = options.warnings.into_iter().chain(invalid_programs(&plan)).collect();
         Ok(Planning { plan, model, warnings, files })
     }

@@ -2,8 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use modyn_codegen::plan::{Derivative, DerivativeMode, EntryFunction};
-use modyn_codegen::{Builder, Function};
+use modyn_codegen::plan::{Derivative, DerivativeMode, EntryFunction, EntrySource};
+use modyn_codegen::{
+    Builder, Function, FusedFunction, Interpreter, Scalar, UserArgument, UserError, UserFunction,
+};
 
 fn path() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/golden/joints_spherical.urdf")
@@ -49,8 +51,11 @@ fn of_the_table(
     link: Option<usize>,
     results: Vec<Vec<usize>>,
 ) -> EntryFunction {
-    let derivatives = Vec::new();
-    EntryFunction { function, link, results, feedback: false, cost: false, derivatives }
+    entry(EntrySource::Table { function, link }, results)
+}
+
+fn entry(source: EntrySource, results: Vec<Vec<usize>>) -> EntryFunction {
+    EntryFunction { source, results, feedback: false, cost: false, derivatives: Vec::new() }
 }
 
 /// Returns a function of `q` and two joint vectors with run-time gravity and a payload, its arrays, and their lengths.
@@ -178,4 +183,86 @@ fn a_function_of_a_link_has_the_link() {
         let pose = pose.expect("a link");
         close(&at(link).call(&q), &pose.translation, 1e-12);
     }
+}
+
+/// The height of the last link above a level.
+struct Height;
+
+impl UserFunction<2> for Height {
+    fn docs(&self) -> String {
+        "Returns the height of the last link above `level`, m.".into()
+    }
+
+    fn arguments(&self) -> [UserArgument; 2] {
+        [UserArgument::Q, UserArgument::numbers("level", 1)]
+    }
+
+    fn evaluate<S: Scalar>(
+        &self,
+        robot: &mut Interpreter<S>,
+        [q, level]: [&[S]; 2],
+    ) -> Result<Vec<S>, UserError> {
+        let last = robot.model().links().len() - 1;
+        Ok(vec![robot.link_pose(q, last)?.translation[2] - level[0]])
+    }
+}
+
+#[test]
+fn a_fused_function_has_the_results_of_its_functions() {
+    let robot = builder();
+    let model = robot.plan().expect("a robot").model;
+    let (nq, nv, last) = (model.nq(), model.nv(), model.links().len() - 1);
+    // In the order of the arguments of the fused function: the user's come last.
+    let lengths = [nq, nv, nv, 1, 13];
+    let [q, qd, qdd] = [numbers(nq, 3), numbers(nv, 4), numbers(nv, 5)];
+    let payload = [0.7, 0.1, -0.2, 0.3, 0.02, 0.001, -0.002, 0.03, 0.004, 0.025];
+    let parameters = [&[0.5, -0.7, -9.5], &payload[..]].concat();
+    let level = [0.4];
+
+    let all = |count: usize| vec![(0..count).collect::<Vec<usize>>()];
+    let alone = |function, link, count, arguments: &[&[f64]]| {
+        let function = of_the_table(function, link, all(count));
+        Evaluated(robot.clone(), function).call(&arguments.concat())
+    };
+    let matrix = alone(Function::MassMatrix, None, nv * nv, &[&q, &parameters]);
+    let pose = alone(Function::LinkPose, Some(last), 12, &[&q]);
+    let forces = alone(Function::InverseDynamics, None, nv, &[&q, &qd, &qdd, &parameters]);
+    let height = [pose[11] - level[0]];
+    let expected = [&*matrix, &pose, &forces, &height].concat();
+
+    let fused = FusedFunction::new("control")
+        .function(Function::MassMatrix)
+        .of_link(Function::LinkPose, &*model.links()[last].name)
+        .function(Function::InverseDynamics)
+        .own_function("height");
+    let with_fused = robot.clone().function("height", Height).fused([fused]);
+    let source = EntrySource::Fused("control".into());
+    let count = expected.len();
+    // Two arrays, in another order than the numbers of the result.
+    let results = vec![(0..nv * nv).rev().collect(), (nv * nv..count).collect()];
+    let value = Evaluated(with_fused.clone(), entry(source, results));
+    let x = [&*q, &qd, &qdd, &level, &parameters].concat();
+    let reordered: Vec<f64> = matrix.iter().rev().chain(&expected[nv * nv..]).copied().collect();
+    close(&value.call(&x), &reordered, 1e-12);
+
+    let variables = [0, 2, 3, 4];
+    let columns = differences(&value, &x, &lengths, &variables);
+    let change = numbers(columns.len(), 6);
+    let along: Vec<f64> = (0..count)
+        .map(|row| columns.iter().zip(&change).map(|(column, t)| column[row] * t).sum())
+        .collect();
+    let forward = value.derivative(DerivativeMode::Forward, &variables);
+    close(&forward.call(&[&*x, &change].concat()), &along, 1e-8);
+    let weights = numbers(count, 7);
+    let reverse = value.derivative(DerivativeMode::Reverse, &variables);
+    let gradient: Vec<f64> = columns
+        .iter()
+        .map(|column| column.iter().zip(&weights).map(|(entry, w)| entry * w).sum())
+        .collect();
+    close(&reverse.call(&[&*x, &weights].concat()), &gradient, 1e-8);
+
+    let unknown = entry(EntrySource::Fused("contrl".into()), all(1));
+    let errors = with_fused.plan_entries(&unknown).map(|_| ()).expect_err("no such function");
+    assert!(errors.to_string().contains("there is no fused function `contrl`"), "{errors}");
+    assert!(errors.to_string().contains("did you mean `control`?"), "{errors}");
 }

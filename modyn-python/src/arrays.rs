@@ -13,7 +13,7 @@ use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::{PyDict, PyFloat, PyTuple};
 
-use crate::layout::{Class, Layout, Leaf};
+use crate::layout::{Layout, Leaf};
 use crate::memory::zeros;
 use crate::number::Number;
 
@@ -452,16 +452,10 @@ fn views<'py, S: Number>(
             ndarray.call1((shape, S::get_dtype(py), base, leaf.offset * size_of::<S>(), strides))
         }
         Layout::Tuple(class, fields) => {
-            let names = PyTuple::new(py, fields.iter().map(|(name, _)| *name))?;
-            let of_fields = fields.iter().map(|(_, layout)| views(base, layout, states, length));
-            let fields = of_fields.collect::<PyResult<Vec<_>>>()?;
-            let class = match class {
-                Class::Package(name) => py.import("modyn._results")?.getattr(*name)?,
-                Class::Fused(name) => {
-                    py.import("modyn._types")?.getattr("fused")?.call1((*name, names))?
-                }
+            let field = |(name, layout): &(&'static str, Layout)| {
+                Ok((*name, views(base, layout, states, length)?))
             };
-            class.call1(PyTuple::new(py, fields)?)
+            class.of_fields(py, fields.iter().map(field).collect::<PyResult<_>>()?)
         }
     }
 }

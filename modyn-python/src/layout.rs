@@ -2,6 +2,8 @@
 //! writes.
 
 use modyn_codegen::plan::{Elements, Record, Shape};
+use pyo3::prelude::*;
+use pyo3::types::PyTuple;
 
 /// The layout of a result.
 #[derive(Clone, Debug)]
@@ -26,6 +28,27 @@ impl Class {
     pub fn name(self) -> &'static str {
         let (Self::Package(name) | Self::Fused(name)) = self;
         name
+    }
+
+    /// Returns a named tuple of the type; each field has its name and its value.
+    ///
+    /// # Errors
+    ///
+    /// If the package lacks the type.
+    pub fn of_fields<'py>(
+        self,
+        py: Python<'py>,
+        fields: Vec<(&'static str, Bound<'py, PyAny>)>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let (names, values): (Vec<_>, Vec<_>) = fields.into_iter().unzip();
+        let class = match self {
+            Self::Package(name) => py.import("modyn._results")?.getattr(name)?,
+            Self::Fused(name) => {
+                let of_names = (name, PyTuple::new(py, names)?);
+                py.import("modyn._types")?.getattr("fused")?.call1(of_names)?
+            }
+        };
+        class.call1(PyTuple::new(py, values)?)
     }
 }
 

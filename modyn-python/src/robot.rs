@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::sync::{Mutex, OnceLock, PoisonError};
 
 use modyn_codegen::diagnostics::{Code, suggest};
-use modyn_codegen::plan::{EntryFunction, Sizes};
+use modyn_codegen::plan::{Argument, EntryFunction, Shape, Sizes};
 use modyn_codegen::trace::Parameters;
 use modyn_codegen::{
     Builder, FloatType, Function, FusedFunction, ReadOptions, Shapes, joints_without_inertia,
@@ -50,7 +50,7 @@ pub struct Robot {
     scalar: FloatType,
     machine_code: bool,
     functions: Vec<Slot>,
-    fused: Vec<(String, FusedFunction, Slot)>,
+    fused: Vec<Fused>,
     changes: Mutex<Vec<Change>>,
     parameters: Parameters,
     /// The functions of arrays that are compiled.
@@ -61,6 +61,17 @@ pub struct Robot {
 
 /// The place of a function, which is compiled at its first use.
 type Slot = OnceLock<Box<dyn RobotFunction>>;
+
+/// A fused function of a robot.
+pub struct Fused {
+    pub name: &'static str,
+    function: FusedFunction,
+    pub arguments: Vec<(Argument, Shape)>,
+    /// Whether it depends on run-time parameters.
+    pub depends_on_parameters: bool,
+    pub result: Shape,
+    slot: Slot,
+}
 
 /// A run-time parameter: the option, the link and the numbers.
 pub type RunTimeParameter<'a> = (&'static str, Option<&'a str>, Vec<f64>);
@@ -108,8 +119,15 @@ impl Robot {
         let planning = whole.plan().map_err(|errors| description_error(py, &errors))?;
         let modules = options::modules(arguments, &planning.model)?;
         warn_of_description(py, &planning.warnings)?;
-        let names = planning.plan.functions.iter().map(|planned| planned.name.to_owned());
-        let fused = names.zip(fused).map(|(name, fused)| (name, fused, OnceLock::new()));
+        let planned = planning.plan.functions.iter().zip(fused).map(|(planned, function)| Fused {
+            name: planned.name,
+            function,
+            arguments: planned.arguments.clone(),
+            depends_on_parameters: planned.parameters > 0,
+            result: planned.result.clone(),
+            slot: OnceLock::new(),
+        });
+        let fused = planned.collect();
         let model = planning.model;
         let parameters = planning.plan.parameters;
         let links = model.links().iter().enumerate();
@@ -123,7 +141,7 @@ impl Robot {
             scalar: options::scalar(arguments)?,
             machine_code,
             functions: Function::ALL.iter().map(|_| OnceLock::new()).collect(),
-            fused: fused.collect(),
+            fused,
             changes: Mutex::default(),
             parameters,
             array_codes: Mutex::default(),
@@ -275,7 +293,7 @@ impl Robot {
         self.function(py, first.unwrap_or_default())?
             .apply(&change, &self.model)
             .map_err(PyValueError::new_err)?;
-        let fused = self.fused.iter().map(|(_, _, slot)| slot);
+        let fused = self.fused.iter().map(|fused| &fused.slot);
         for function in self.functions.iter().chain(fused).filter_map(OnceLock::get) {
             function.apply(&change, &self.model).map_err(PyValueError::new_err)?;
         }
@@ -362,9 +380,13 @@ impl Robot {
     }
 
     /// Returns the fused functions.
-    #[cfg(feature = "gpu")]
-    pub fn fused(&self) -> impl Iterator<Item = &FusedFunction> {
-        self.fused.iter().map(|(_, fused, _)| fused)
+    pub fn fused_functions(&self) -> impl Iterator<Item = &FusedFunction> {
+        self.fused.iter().map(|fused| &fused.function)
+    }
+
+    /// Returns the fused function of this name.
+    pub fn fused_named(&self, name: &str) -> Option<&Fused> {
+        self.fused.iter().find(|fused| fused.name == name)
     }
 
     /// Returns the robot.
@@ -666,8 +688,8 @@ impl Robot {
 
     /// The names of the fused functions, each of which is a method.
     #[getter]
-    fn fused_names(&self) -> Vec<&str> {
-        self.fused.iter().map(|(name, ..)| name.as_str()).collect()
+    pub fn fused_names(&self) -> Vec<&str> {
+        self.fused.iter().map(|fused| fused.name).collect()
     }
 
     /// Returns the neutral coordinates, (nq,): zero for every joint, the identity for quaternions.
@@ -771,15 +793,16 @@ impl Robot {
         out: Option<&Bound<'py, PyAny>>,
         named: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let Some((_, fused, slot)) = self.fused.iter().find(|(fused_name, ..)| fused_name == name)
-        else {
+        let Some(Fused { function, slot, .. }) = self.fused_named(name) else {
             let names = self.fused_names().join(", ");
             let message = format!("there is no fused function `{name}`; there are: {names}");
             return Err(PyValueError::new_err(message));
         };
         let function = match slot.get() {
             Some(function) => &**function,
-            None => self.compiled(py, self.builder.clone().fused([fused.clone()]), None, slot)?,
+            None => {
+                self.compiled(py, self.builder.clone().fused([function.clone()]), None, slot)?
+            }
         };
         let parameters = function.arguments();
         let count = parameters.len();
@@ -813,7 +836,7 @@ impl Robot {
 
     /// Returns a fused function as a callable.
     fn __getattr__<'py>(slf: &Bound<'py, Self>, name: &str) -> PyResult<Bound<'py, PyAny>> {
-        if slf.get().fused.iter().any(|(fused_name, ..)| fused_name == name) {
+        if slf.get().fused_named(name).is_some() {
             let partial = slf.py().import("functools")?.getattr("partial")?;
             return partial.call1((slf.getattr("fused")?, name));
         }
@@ -829,7 +852,7 @@ impl Robot {
     /// Returns the names of attributes, fused functions included.
     fn __dir__(slf: &Bound<'_, Self>) -> PyResult<Vec<String>> {
         let mut names: Vec<String> = slf.get_type().dir()?.extract()?;
-        names.extend(slf.get().fused.iter().map(|(name, ..)| name.clone()));
+        names.extend(slf.get().fused.iter().map(|fused| fused.name.to_owned()));
         Ok(names)
     }
 

@@ -189,6 +189,30 @@ def test_gradients_in_torch(torch, stand_in):
     close((by_shared * direction).sum(), difference, 1e-6)
 
 
+def control(seed):
+    """Returns a robot with a fused function."""
+    fused = {"control": ["mass_matrix", ("link_pose", "link1"), "forward_dynamics"]}
+    return modyn.loads(chain(seed, joints=3), base="floating", payload=["link1"], fused=fused)
+
+
+def test_fused_functions_in_torch(torch, stand_in):
+    """One kernel computes all results, and one all gradients."""
+    own = control(13)
+    q, qd, _, tau = (torch.from_numpy(x).requires_grad_() for x in states(own, 3))
+    before = number(stand_in, "launches")
+    found = modyn.torch.function(own, "control")(q, qd, tau)
+    expected = own.control(*(x.detach().numpy() for x in (q, qd, tau)))
+    assert type(found) is type(expected)
+    close(found.mass_matrix.detach(), expected.mass_matrix, 1e-9)
+    close(found.link_pose_link1.rotation.detach(), expected.link_pose_link1.rotation, 1e-9)
+    (found.forward_dynamics.sum() + (found.mass_matrix**2).sum()).backward()
+    assert number(stand_in, "launches") == before + 2
+    own = {name: modyn.torch.function(own, name) for name in ("mass_matrix", "forward_dynamics")}
+    total = own["forward_dynamics"](q, qd, tau).sum() + (own["mass_matrix"](q) ** 2).sum()
+    for x, gradient in zip((q, qd, tau), torch.autograd.grad(total, (q, qd, tau)), strict=True):
+        close(x.grad, gradient, 1e-9)
+
+
 def test_refused_tensors(torch):
     own = robot("fixed")
     q, qd, _, tau = (torch.from_numpy(x) for x in states(own, 3))
@@ -267,6 +291,27 @@ def test_jax(jax, stand_in):
     gradient = jax.jit(jax.grad(lambda controls: motion(q, qd, controls, 0.01).qd.sum()))(controls)
     ones = np.ones((6, 4, own.nv))
     close(gradient, own.rollout_vjp(q, qd, controls, 0.01, np.zeros((6, 4, own.nq)), ones).controls, 1e-9)
+
+
+def test_fused_functions_in_jax(jax, stand_in):
+    own = control(14)
+    q, qd, _, tau = states(own, 4)
+    function = modyn.jax.function(own, "control")
+    before = number(stand_in, "launches")
+    found, expected = function(q, qd, tau), own.control(q, qd, tau)
+    assert number(stand_in, "launches") == before + 1
+    for a, b in zip(jax.tree.leaves(found), jax.tree.leaves(expected), strict=True):
+        close(a, b, 1e-9)
+    by_tau = jax.vmap(jax.jacrev(lambda q, qd, tau: function(q, qd, tau).forward_dynamics, 2))(q, qd, tau)
+    close(by_tau, own.forward_dynamics_derivatives(q, qd, tau).dqdd_dtau, 1e-9)
+    # A payload for each state.
+    parameters = modyn.jax.parameters(own)
+    payloads = np.tile(parameters["payload"]["link1"], (4, 1))
+    payloads[:, 0] = 0.1, 0.5, 1.0, 2.0
+    loaded = function(q, qd, tau, parameters={"payload": {"link1": payloads}}).forward_dynamics
+    for i, mass in enumerate(payloads[:, 0]):
+        own.set_payload("link1", mass)
+        close(loaded[i], own.forward_dynamics(q[i], qd[i], tau[i]), 1e-9)
 
 
 def scene():

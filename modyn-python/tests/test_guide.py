@@ -37,7 +37,7 @@ def test_the_page_about_jax(monkeypatch):
     pytest.importorskip("jax", reason="JAX is not installed: pip install modyn[jax]")
     monkeypatch.chdir(ROOT)
     programs = blocks("docs/learning.md")
-    assert len(programs) == 9
+    assert len(programs) == 10
     session = {}
     for program in programs:
         exec(compile(program, "learning.md", "exec"), session)

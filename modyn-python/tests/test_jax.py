@@ -2,6 +2,7 @@
 
 import gc
 import importlib
+import inspect
 import subprocess
 import sys
 
@@ -10,6 +11,7 @@ import pytest
 from conftest import GOLDEN, chain, close, in_threads, states
 
 import modyn
+from modyn._arrays import Extras
 
 jax = pytest.importorskip("jax", reason="JAX is not installed: pip install modyn[jax]")
 import jax.export  # noqa: E402
@@ -246,6 +248,101 @@ def test_run_time_parameters():
         modyn.jax.parameters(robot("fixed"))
 
 
+FUSED = {
+    "control": [
+        "mass_matrix", "bias_forces", ("jacobian", "link2"), ("link_pose", "link3"), "forward_dynamics", "constrained_forward_dynamics"
+    ]
+}
+
+
+def apart(own, fused):
+    """Returns the results of a fused function by its functions, one by one."""
+    names = {"jacobian_link2": ("jacobian", "link2"), "link_pose_link3": ("link_pose", "link3")}
+    functions = [modyn.jax.function(own, *names.get(field, (field,))) for field in fused]
+    counts = [sum(name in ("q", "qd", "tau") for name in inspect.signature(function).parameters) for function in functions]
+    return lambda *x: tuple(function(*x[:count]) for function, count in zip(functions, counts))
+
+
+def close_leaves(found, expected, tolerance=1e-9):
+    found, expected = jax.tree.leaves(found), jax.tree.leaves(expected)
+    assert len(found) == len(expected)
+    for a, b in zip(found, expected):
+        close(a, b, tolerance)
+
+
+@pytest.fixture(scope="module")
+def controlled():
+    return robot(contacts=CONTACTS, fused=FUSED)
+
+
+def test_values_of_fused_functions(controlled):
+    q, qd, _, tau = states(controlled, 3)
+    function = modyn.jax.function(controlled, "control")
+    expected = controlled.control(q, qd, tau)
+    for own in (jax.jit(function), jax.vmap(function)):
+        found = own(q, qd, tau)
+        assert type(found) is type(expected) and type(found.link_pose_link3) is modyn.Pose
+        close_leaves(found, expected)
+    close_leaves(function(q[0], tau=tau[0], qd=qd[0]), controlled.control(q[0], qd[0], tau[0]))
+    crossed = function(q[:, None], qd[:2], tau[0])
+    for i, j in np.ndindex(3, 2):
+        close_leaves(jax.tree.map(lambda x: x[i, j], crossed), controlled.control(q[i], qd[j], tau[0]))
+    # A set of active contacts, which is an argument of one of the functions.
+    close_leaves(function(q, qd, tau, active=np.zeros(1)), controlled.control(q, qd, tau, np.zeros(1)))
+    assert "mass_matrix`, `bias_forces" in function.__doc__ and str(inspect.signature(function)) == "(q, qd, tau, active=None, settings=None)"
+
+
+def test_derivatives_of_fused_functions(controlled):
+    """Of first and second order, beside the derivatives of the functions one by one."""
+    q, qd, _, tau = (jnp.asarray(x[0]) for x in states(controlled, 1))
+    x = [q.at[3:7].multiply(1.3), qd, tau]
+    rng = np.random.default_rng(1)
+    t = [jnp.asarray(rng.normal(size=one.shape)) for one in x]
+    function = modyn.jax.function(controlled, "control")
+    value, change = jax.jit(lambda x, t: jax.jvp(function, x, t))(x, t)
+    separate = apart(controlled, value._fields)
+    close_leaves((value, change), jax.jvp(separate, x, t))
+    weights = jax.tree.map(lambda one: jnp.asarray(rng.normal(size=one.shape)), value)
+    close_leaves(jax.vjp(function, *x)[1](weights), jax.vjp(separate, *x)[1](tuple(weights)))
+    for jacobian in (jax.jacrev, jax.jacfwd):
+        close_leaves(jacobian(function, (0, 1, 2))(*x), jacobian(separate, (0, 1, 2))(*x))
+    # Fewer changes than entries: products, which `vmap` repeats.
+    changes = [jnp.stack([one, 2 * one]) for one in t]
+    along = lambda call: jax.vmap(lambda *t: jax.jvp(call, x, list(t))[1])(*changes)
+    close_leaves(along(function), along(separate))
+    weighted = lambda call: lambda *x: sum((a * b).sum() for a, b in zip(jax.tree.leaves(call(*x)), jax.tree.leaves(weights)))
+    close_leaves(jax.hessian(weighted(function), (0, 1))(*x), jax.hessian(weighted(separate), (0, 1))(*x))
+
+
+def test_fused_functions_with_run_time_parameters():
+    own = robot("fixed", **OPTIONS, fused={"both": ["inverse_dynamics", "mass_matrix", ("link_pose", "link3")]})
+    own.set_payload("link3", 0.7, (0.1, 0.2, -0.1), (0.02, 0.001, 0.0, 0.03, 0.0, 0.02))
+    q, qd, qdd, _ = states(own, 5)
+    function, separate = modyn.jax.function(own, "both"), modyn.jax.function(own, "inverse_dynamics")
+    given = modyn.jax.parameters(own)
+    close_leaves(function(q, qd, qdd), own.both(q, qd, qdd))
+    payloads = jnp.tile(given["payload"]["link3"], (5, 1)).at[:, 0].set(np.linspace(0.1, 2.0, 5))
+    loaded = lambda call, p: call(q, qd, qdd, parameters={**given, "payload": {"link3": p}})
+    forces = lambda p: loaded(function, p).inverse_dynamics
+    alone = lambda p: loaded(separate, p)
+    close(forces(payloads), alone(payloads), 1e-9)
+    close(jax.jacrev(forces)(payloads), jax.jacrev(alone)(payloads), 1e-9)
+    by_gravity = lambda call: jax.jacfwd(lambda g: jax.tree.leaves(call(q, qd, qdd, parameters={**given, "gravity": g}))[0])(given["gravity"])
+    close(by_gravity(function), by_gravity(separate), 1e-9)
+
+
+def test_fused_functions_that_need_an_argument_after_defaults():
+    """`act` follows `active` and `settings`, which have defaults."""
+    servo = ("position", 20, 0.4, {"effort": 2.7, "delay": 1})
+    own = robot(contacts=CONTACTS, actuators={"joint1": servo}, fused={"both": ["constrained_forward_dynamics", "actuate"]})
+    q, qd, _, tau = (x[0] for x in states(own, 1))
+    function = modyn.jax.function(own, "both")
+    given = {"ctrl": np.full(1, 0.3), "dt": 0.01, "act": np.full(1, 0.2)}
+    close_leaves(function(q, qd, tau, **given), own.both(q, qd, tau, **given))
+    with pytest.raises(TypeError, match="`both`: missing a required argument: 'act'"):
+        function(q, qd, tau, given["ctrl"], 0.01)
+
+
 def test_a_payload_is_found_by_gradient_descent():
     own = robot("fixed", payload=["link3"])
     q, qd, qdd, _ = states(own, 50)
@@ -385,6 +482,19 @@ def test_refused():
         modyn.jax.function(own, "jacobian", "lnk1")
     with pytest.raises(ValueError, match="only robots with closed loops or contacts"):
         modyn.jax.function(own, "constrained_forward_dynamics")
+    fused = robot("fixed", fused={"control": ["mass_matrix", "bias_forces"], "factors": ["brge", "bias_forces"]})
+    with pytest.raises(ValueError, match="no function `contrl`; did you mean `control`"):
+        modyn.jax.function(fused, "contrl")
+    with pytest.raises(ValueError, match="no function `jacobin`; did you mean `jacobian`"):
+        modyn.jax.function(fused, "jacobin", "link1")
+    with pytest.raises(ValueError, match="no function `sum`; `modyn.functions.*` has all names, and `fused_names` of the robot"):
+        modyn.jax.function(fused, "sum")
+    with pytest.raises(ValueError, match="fused function `factors`: `brge` returns factors, which are no arrays: use `mass_matrix`"):
+        modyn.jax.function(fused, "factors")
+    with pytest.raises(TypeError, match="`control` is no function of a link"):
+        modyn.jax.function(fused, "control", "link1")
+    with pytest.raises(ValueError, match="`control` is no time step under joint forces, so it has no feedback and no cost"):
+        fused._array_code("control", None, [], Extras(feedback=True))
     with pytest.raises(TypeError, match="use `jax.vjp`"):
         jax.linear_transpose(function, q, qd, tau)(qd)
     close(function(q=q, tau=tau, qd=qd), function(q, qd, tau), 0)

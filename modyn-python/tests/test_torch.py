@@ -25,7 +25,7 @@ def tensors(own, n=3, dynamics=True):
 
 
 def leaves(result):
-    return [result] if isinstance(result, torch.Tensor) else [leaf for field in result for leaf in leaves(field)]
+    return [leaf for field in result for leaf in leaves(field)] if isinstance(result, tuple) else [result]
 
 
 ARGUMENTS = {
@@ -82,6 +82,37 @@ def test_gradients_of_steps():
     total = lambda step: torch.autograd.grad(sum(x.sum() for x in step(*given)), given)
     for a, b in zip(total(step), total(torch.compile(step, backend="eager"))):
         assert torch.allclose(a, b, rtol=1e-9, atol=1e-9)
+
+
+def test_fused_functions():
+    """Values, gradients of both orders, transformations and `torch.compile`, beside the functions one by one."""
+    own = robot(fused={"control": ["mass_matrix", ("link_pose", "link3"), "forward_dynamics"]})
+    x = tensors(own)
+    function = modyn.torch.function(own, "control")
+    matrix, pose, dynamics = (
+        modyn.torch.function(own, *name) for name in (("mass_matrix",), ("link_pose", "link3"), ("forward_dynamics",))
+    )
+    found, expected = function(*x), own.control(*(a.numpy() for a in x))
+    assert type(found) is type(expected) and type(found.link_pose_link3) is modyn.Pose
+    for a, b in zip(leaves(found), leaves(expected), strict=True):
+        close(a, b, 1e-9)
+    rng = np.random.default_rng(1)
+    weights = [torch.from_numpy(rng.normal(size=a.shape[1:])) for a in leaves(found)]
+    apart = lambda q, qd, tau: [matrix(q), *leaves(pose(q)), dynamics(q, qd, tau)]
+    weighted = lambda results: sum((w * a).sum() for w, a in zip(weights, results, strict=True))
+    fused = lambda *x: weighted(leaves(function(*x)))
+    separate = lambda *x: weighted(apart(*x))
+    compiled = torch.compile(fused, fullgraph=True, backend="aot_eager")
+    expected = torch.autograd.grad(separate(*(y := [a.clone().requires_grad_() for a in x])), y)
+    for own in (fused, compiled):
+        y = [a.clone().requires_grad_() for a in x]
+        for a, b in zip(torch.autograd.grad(own(*y), y), expected, strict=True):
+            close(a, b, 1e-9)
+    for a, b in zip(torch.func.vmap(torch.func.grad(fused, (0, 1, 2)))(*x), expected, strict=True):
+        close(a, b, 1e-9)
+    one = [a[0] for a in x]
+    for transformation in (torch.func.hessian, lambda f: torch.func.jacfwd(torch.func.grad(f))):
+        close(transformation(fused)(*one), transformation(separate)(*one), 1e-9)
 
 
 def test_functional_transformations():

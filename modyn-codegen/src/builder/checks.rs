@@ -321,6 +321,15 @@ pub fn too_long_entries(
     Diagnostic::error(Code::TooLarge, message).with_help(help)
 }
 
+/// Returns the error that none of the fused functions with these names has this one.
+pub fn no_fused_function<'a>(name: &str, names: impl Iterator<Item = &'a str>) -> Diagnostic {
+    let help = match suggest(name, names) {
+        Some(meant) => format!("did you mean `{meant}`?"),
+        None => "add it to the option `fused`".into(),
+    };
+    Diagnostic::error(Code::Option, format!("there is no fused function `{name}`")).with_help(help)
+}
+
 /// Returns whether these functions are short enough with modules of one link, whose factors have no
 /// dense pivots.
 fn helps_by_links(model: &Model, modules: &ModuleTree, names: &[&str]) -> bool {

@@ -1,10 +1,10 @@
 //! Functions of arrays of plain numbers, and their derivatives of any order. Libraries call them
 //! that differentiate with respect to every entry of an array, such as JAX and PyTorch.
 //!
-//! A function of the table becomes one whose inputs are its arguments, then the run-time parameters
-//! if it depends on them. It scales quaternions to length 1 first, so its derivatives by all four
-//! entries are those of this value. A derivative is again such a function, with further inputs, so
-//! derivatives can follow one another.
+//! A function of the table or a fused function becomes one whose inputs are its arguments, then the
+//! run-time parameters if it depends on them. It scales quaternions to length 1 first, so its
+//! derivatives by all four entries are those of this value. A derivative is again such a function,
+//! with further inputs, so derivatives can follow one another.
 
 use std::ops::Range;
 
@@ -12,12 +12,13 @@ use modyn_runtime::quantities::{Argument, ArgumentKind, Function, Shape};
 
 use super::context::PlanContext;
 use super::functions::{CForm, GraphSource, Lowering};
+use super::fused::{FusedFunction, Graphs};
 use super::packing;
 use super::planned::Planned;
 use super::programs::StepForm;
 use crate::graph::Graph;
 use crate::passes::{jvp, matrix, optimize, vjp};
-use crate::trace::{EntryForm, second_derivatives};
+use crate::trace::{EntryForm, Tracer, second_derivatives};
 
 /// The largest number of operations of second derivatives that are not made by differentiation of a
 /// graph.
@@ -26,10 +27,8 @@ const MAX_HESSIAN: usize = 400_000;
 /// A function of arrays of plain numbers.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct EntryFunction {
-    /// The function of the table.
-    pub function: Function,
-    /// The link of a function of one link, by its index among the links of the description.
-    pub link: Option<usize>,
+    /// The function of a robot that computes the results.
+    pub source: EntrySource,
     /// The arrays that the result consists of: for each the places of its numbers among those of
     /// the function's result, in the order in which they are returned.
     pub results: Vec<Vec<usize>>,
@@ -44,6 +43,75 @@ pub struct EntryFunction {
     pub cost: bool,
     /// The derivatives, the innermost first.
     pub derivatives: Vec<Derivative>,
+}
+
+/// The function of a robot that a function of arrays has its results from.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum EntrySource {
+    /// A function of the table.
+    Table {
+        /// The function.
+        function: Function,
+        /// The link of a function of one link, by its index among the links of the description.
+        link: Option<usize>,
+    },
+    /// A fused function, by its name.
+    Fused(String),
+}
+
+/// The function that an [`EntrySource`] names.
+#[derive(Clone, Copy)]
+pub(super) enum Source<'a> {
+    /// A function of the table, and the link of a function of one link.
+    Table(Function, Option<usize>),
+    Fused(&'a FusedFunction),
+}
+
+impl Source<'_> {
+    /// Returns the name.
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::Table(function, _) => function.name(),
+            Self::Fused(fused) => fused.name,
+        }
+    }
+
+    /// Returns a number of operations that the function takes at least.
+    pub(super) fn least_operations(self, context: &PlanContext<'_>) -> usize {
+        match self {
+            Self::Table(function, _) => context.least_operations(function),
+            Self::Fused(fused) => context.least_operations_fused(fused),
+        }
+    }
+
+    fn docs(self) -> &'static str {
+        match self {
+            Self::Table(function, _) => function.row().docs,
+            Self::Fused(fused) => fused.docs(),
+        }
+    }
+
+    fn arguments(self) -> Vec<Argument> {
+        match self {
+            Self::Table(function, _) => function.row().arguments.to_vec(),
+            Self::Fused(fused) => fused.arguments(),
+        }
+    }
+
+    fn depends_on_parameters(self) -> bool {
+        match self {
+            Self::Table(function, _) => function.row().depends_on_parameters,
+            Self::Fused(fused) => fused.depends_on_parameters(),
+        }
+    }
+
+    /// Returns the function of the table whose solver is a loop, if it is one.
+    fn with_solver(self) -> Option<Function> {
+        match self {
+            Self::Table(function, _) => Some(function).filter(|function| function.row().has_solver),
+            Self::Fused(_) => None,
+        }
+    }
 }
 
 /// A derivative of a function of arrays.
@@ -176,14 +244,24 @@ fn ranges(lengths: &[usize]) -> Vec<Range<usize>> {
 }
 
 impl EntryFunction {
+    /// Returns the function among these fused functions; `None` if it is a fused function that is
+    /// none of them.
+    pub(super) fn source<'a>(&self, fused: &'a [FusedFunction]) -> Option<Source<'a>> {
+        match &self.source {
+            EntrySource::Table { function, link } => Some(Source::Table(*function, *link)),
+            EntrySource::Fused(name) => {
+                fused.iter().find(|fused| fused.name == name).map(Source::Fused)
+            }
+        }
+    }
+
     /// Returns the function without derivatives, and where it is profitable the same function on
     /// vectors.
-    fn value(&self, context: &PlanContext<'_>) -> (Arrays, Option<Graph>) {
-        let Self { function, link, results, feedback, cost, .. } = self;
-        let row = function.row();
+    fn value(&self, source: Source<'_>, context: &PlanContext<'_>) -> (Arrays, Option<Graph>) {
+        let Self { results, feedback, cost, .. } = self;
         let mut inputs = Vec::new();
         let mut coordinates = Vec::new();
-        for argument in row.arguments {
+        for argument in source.arguments() {
             if argument.kind == ArgumentKind::Coordinates {
                 coordinates.push(inputs.iter().sum());
             }
@@ -191,7 +269,6 @@ impl EntryFunction {
         }
         let nq = context.sizes.nq;
         let nv = context.sizes.nv;
-        let settings = inputs.iter().skip(4).sum();
         if *cost {
             inputs.insert(2, 1);
         }
@@ -203,7 +280,7 @@ impl EntryFunction {
             coordinates.push(inputs.iter().sum());
             inputs.extend([nq, nv, 2 * nv, nv]);
         }
-        let parameters = context.parameters(row.depends_on_parameters);
+        let parameters = context.parameters(source.depends_on_parameters());
         inputs.extend((parameters > 0).then_some(parameters));
         let all = inputs.iter().sum();
         let finished = |graph: &Graph| {
@@ -211,37 +288,59 @@ impl EntryFunction {
             graph.outputs = results.iter().flatten().map(|&place| graph.outputs[place]).collect();
             graph
         };
-        let traced = match link {
-            Some(link) => {
-                optimize(context.frames.of_link(*link, |t| context.evaluation(*function, t)))
+        let (traced, packed) = match source {
+            Source::Table(function, Some(link)) => {
+                let evaluation = |tracer: &Tracer<'_>| context.evaluation(function, tracer);
+                (optimize(context.frames.of_link(link, evaluation)), None)
             }
-            None if *feedback || *cost => {
-                let step = match row.has_solver {
-                    true => context.refined_step(*function),
-                    false => packing::on_scalars(*function, context),
-                };
-                let difference = packing::on_scalars(Function::Difference, context);
-                let tracer = &context.tracer;
-                optimize(tracer.with_extras(*feedback, *cost, settings, &step, &difference))
+            Source::Table(function, None) => self.of_table(function, context),
+            Source::Fused(fused) => {
+                let graphs = Graphs::new(fused, context, parameters);
+                let scalar = optimize(graphs.scalar());
+                let packing = || packing::packed_fused(fused, &graphs, context, &scalar);
+                let packed = self.derivatives.is_empty().then(packing).flatten();
+                (scalar, packed)
             }
-            None if row.has_solver => context.refined_step(*function),
-            None => packing::on_scalars(*function, context),
         };
-        let is_packed = link.is_none()
-            && !feedback
-            && !cost
-            && self.derivatives.is_empty()
-            && !row.has_solver
-            && !matches!(Lowering::of(*function).source, GraphSource::Poses);
-        let packed = is_packed.then(|| packing::packed(*function, context, &traced)).flatten();
         let outputs = results.iter().map(Vec::len).collect();
         let value = Arrays { graph: finished(&traced), inputs, outputs };
         (value, packed.as_ref().map(finished))
     }
 
+    /// Returns the graph of a function of the table that is none of one link, and where it is
+    /// profitable the same function on vectors.
+    fn of_table(&self, function: Function, context: &PlanContext<'_>) -> (Graph, Option<Graph>) {
+        let Self { feedback, cost, .. } = self;
+        let row = function.row();
+        let has_solver = row.has_solver;
+        let plain = match has_solver {
+            true => context.refined_step(function),
+            false => packing::on_scalars(function, context),
+        };
+        if *feedback || *cost {
+            let difference = packing::on_scalars(Function::Difference, context);
+            let tracer = &context.tracer;
+            let after_time = row.arguments.iter().skip(4);
+            let settings = after_time.map(|argument| argument.shape(&context.sizes).len()).sum();
+            let step = tracer.with_extras(*feedback, *cost, settings, &plain, &difference);
+            return (optimize(step), None);
+        }
+        let is_packed = self.derivatives.is_empty()
+            && !has_solver
+            && !matches!(Lowering::of(function).source, GraphSource::Poses);
+        let packed = is_packed.then(|| packing::packed(function, context, &plain)).flatten();
+        (plain, packed)
+    }
+
     /// Returns the innermost derivatives that have graphs of their own, which are shorter than
     /// those by differentiation, and the number of these derivatives.
-    fn structured(&self, value: &Arrays, context: &PlanContext<'_>) -> Option<(Arrays, usize)> {
+    fn structured(
+        &self,
+        source: Source<'_>,
+        value: &Arrays,
+        context: &PlanContext<'_>,
+    ) -> Option<(Arrays, usize)> {
+        let Source::Table(function, None) = source else { return None };
         let tracer = &context.tracer;
         let layout = &context.for_derivatives;
         let first = self.derivatives.first()?;
@@ -253,7 +352,7 @@ impl EntryFunction {
             let graph = &context.forward_dynamics.graph;
             tracer.forward_dynamics_form_by_entries(form, graph, layout, MAX_HESSIAN)
         };
-        match (self.function, first.mode) {
+        match (function, first.mode) {
             (Function::ForwardDynamics, DerivativeMode::Forward) => {
                 let graph = forward_dynamics(EntryForm::Forward)?;
                 Some((value.derivative(first, graph), 1))
@@ -301,9 +400,14 @@ impl EntryFunction {
 impl Planned {
     /// Returns a function of arrays with its program, whose only argument is all arrays, one after
     /// the other, and so is the result.
-    pub(super) fn entries(function: &EntryFunction, context: &PlanContext<'_>) -> Self {
-        let (value, packed) = function.value(context);
-        let (mut arrays, done) = function.structured(&value, context).unwrap_or((value, 0));
+    pub(super) fn entries(
+        function: &EntryFunction,
+        source: Source<'_>,
+        context: &PlanContext<'_>,
+    ) -> Self {
+        let (value, packed) = function.value(source, context);
+        let structured = function.structured(source, &value, context);
+        let (mut arrays, done) = structured.unwrap_or((value, 0));
         for derivative in &function.derivatives[done..] {
             arrays.graph = optimize(arrays.graph);
             arrays = arrays.differentiated(derivative);
@@ -311,20 +415,20 @@ impl Planned {
         let scalars = arrays.len();
         let results = arrays.outputs.iter().sum();
         let graph = packing::balanced(optimize(arrays.graph));
-        let solves = function.function.row().has_solver && function.derivatives.is_empty();
-        let (kernels, fault) = match solves {
-            true => {
+        let solver = source.with_solver().filter(|_| function.derivatives.is_empty());
+        let (kernels, fault) = match solver {
+            Some(step) => {
                 let form = StepForm::Entries { feedback: function.feedback };
-                (context.step(function.function, scalars, form), None)
+                (context.step(step, scalars, form), None)
             }
-            false => context.kernels(&graph, packed, scalars),
+            None => context.kernels(&graph, packed, scalars),
         };
         let numbers = Argument { name: "arrays", kind: ArgumentKind::Numbers(scalars) };
         Self {
             function: None,
-            name: function.function.name(),
+            name: source.name(),
             batch_of: None,
-            docs: function.function.row().docs,
+            docs: source.docs(),
             fields: Vec::new(),
             c_form: CForm::None,
             arguments: vec![(numbers, Shape::vector(scalars))],

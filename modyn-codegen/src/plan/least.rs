@@ -12,6 +12,7 @@ use modyn_runtime::quantities::Function;
 use modyn_runtime::spatial::Twist;
 
 use super::context::PlanContext;
+use super::fused::FusedFunction;
 use super::limit::{MAX_NODES, MAX_OPERATIONS, RESULTS};
 
 /// The number of constraints whose rows are counted. Rows of as many points in contact with the
@@ -55,6 +56,13 @@ impl PlanContext<'_> {
             _ => 0,
         };
         least.saturating_add(further)
+    }
+
+    /// Returns a number of operations that a fused function takes at least, without tracing it.
+    pub(super) fn least_operations_fused(&self, fused: &FusedFunction) -> usize {
+        let of_table = fused.members.iter().filter_map(|member| member.function.of_table());
+        let members = of_table.filter(|function| !function.row().by_link);
+        members.map(|function| self.least_operations(function)).sum()
     }
 
     /// Returns the sum of the numbers of ancestors of all links with a program of their own.

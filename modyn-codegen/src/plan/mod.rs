@@ -42,7 +42,7 @@ pub use choices::Choices;
 pub use code_form::CodeForm;
 pub use constants::{BaseParameterTable, Constants};
 pub use context::{LIMB_LIMITS, PlanContext};
-pub use entries::{Derivative, DerivativeMode, EntryFunction};
+pub use entries::{Derivative, DerivativeMode, EntryFunction, EntrySource};
 pub use factorization::FactorFunction;
 pub use frames::{Frames, LinkProgram};
 pub(crate) use functions::signatures;
@@ -135,7 +135,8 @@ impl Plan {
         Ok(Self { casadi, ..plan })
     }
 
-    /// Returns the plan of one function of arrays of plain numbers, for a back end with vectors.
+    /// Returns the plan of one function of arrays of plain numbers, for a back end with vectors. It
+    /// has no function if the function's source is a fused function that is none of `choices`.
     ///
     /// # Errors
     ///
@@ -153,13 +154,16 @@ impl Plan {
             user_functions: Vec::new(),
             ..choices.clone()
         };
+        let source = function.source(&choices.fused);
         let planned = |context: &PlanContext<'_>, budget: &mut Budget| {
-            let least = context.least_operations(function.function);
-            let plan = || Planned::entries(function, context);
-            budget.spend(function.function.name(), least, plan, Planned::length)
+            let planned = source.map(|source| {
+                let plan = || Planned::entries(function, source, context);
+                budget.spend(source.name(), source.least_operations(context), plan, Planned::length)
+            });
+            planned.transpose()
         };
         let (mut plan, planned) = Self::traced(model, modules, &none, execution, planned)?;
-        plan.functions.push(planned);
+        plan.functions.extend(planned);
         Ok(plan)
     }
 
@@ -200,9 +204,7 @@ impl Plan {
             one.length() + of_many.as_ref().map_or(0, Planned::length)
         };
         for fused in &choices.fused {
-            let of_table = fused.members.iter().filter_map(|member| member.function.of_table());
-            let members = of_table.filter(|function| !function.row().by_link);
-            let least = members.map(|function| context.least_operations(function)).sum();
+            let least = context.least_operations_fused(fused);
             let plan = || Planned::fused(fused, &context, batches && fused.batch);
             let (one, of_many) = budget.spend(fused.name, least, plan, length)?;
             functions.push(one);

@@ -467,10 +467,9 @@ class Signature:
         """the arguments as those of a function of Python"""
         kind = inspect.Parameter.POSITIONAL_OR_KEYWORD
         empty = inspect.Parameter.empty
-        own = [
-            inspect.Parameter(name, kind, default=empty if default is None else None)
-            for name, default in zip(self.names, self.defaults)
-        ]
+        # A fused function may need an argument after those with a default; `bind` finds that it is missing.
+        needed = next((k for k, default in enumerate(self.defaults) if default is not None), len(self.names))
+        own = [inspect.Parameter(name, kind, default=empty if k < needed else None) for k, name in enumerate(self.names)]
         if self.parameters:
             own.append(inspect.Parameter("parameters", inspect.Parameter.KEYWORD_ONLY, default=None))
         return inspect.Signature(own)
@@ -487,7 +486,11 @@ class Signature:
             bound.apply_defaults()
             all_given = [bound.arguments[name] for name in self.names]
             parameters = bound.arguments.get("parameters")
-        return [default if x is None else x for x, default in zip(all_given, defaults)], parameters
+        arrays = [default if x is None else x for x, default in zip(all_given, defaults)]
+        missing = next((name for name, x in zip(self.names, arrays) if x is None), None)
+        if missing is not None:
+            raise TypeError(f"`{self.name}`: missing a required argument: '{missing}'")
+        return arrays, parameters
 
     def check(self, arrays: Sequence[Any]) -> None:
         """Checks the shapes of arguments, whose leading axes are those of states and are broadcast."""
@@ -543,8 +546,11 @@ def check(function: str, names: Sequence[str], shapes: Sequence[Shape], arrays: 
 
 def documented(call: Callable[..., Any], signature: Signature, library: str) -> Callable[..., Any]:
     """Returns the function with the name, the arguments and the documentation of the method of `Robot`."""
-    method = getattr(Robot, signature.name)
+    if signature.name in functions():
+        docs = inspect.getdoc(getattr(Robot, signature.name))
+    else:
+        docs = f"Returns the results of `{'`, `'.join(signature.result._fields)}`, with their common work done once."
     call.__name__ = call.__qualname__ = signature.name
     call.__signature__ = signature.signature  # type: ignore[attr-defined]
-    call.__doc__ = f"{inspect.getdoc(method)}\n\nArguments and results are arrays of {library}; leading axes are those of states."
+    call.__doc__ = f"{docs}\n\nArguments and results are arrays of {library}; leading axes are those of states."
     return call

@@ -412,8 +412,9 @@ class Robot:
     ) -> tuple[
         list[tuple[str, list[int], Array | None]], list[tuple[str, str | None, list[float]]], Any
     ]:
-        """Returns the names of the arguments of a function, each with its shape and its default; the run-time parameters that
-        it depends on, each by option and link with its present numbers; and its result, whose arrays are their indices."""
+        """Returns the names of the arguments of a function or a fused function, each with its shape and its default; the run-time
+        parameters that it depends on, each by option and link with its present numbers; and its result, whose arrays are their
+        indices."""
     def _array_code(
         self, name: str, link: str | int | None, derivatives: Sequence[tuple[str, Sequence[int]]], extras: Extras
     ) -> CodeHandle:

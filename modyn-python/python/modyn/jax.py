@@ -42,7 +42,7 @@ __all__ = ["function", "parameters", "rollout", "to_tangent"]
 
 
 def function(robot: Robot, name: str, link: str | int | None = None) -> Callable[..., Any]:
-    """Returns the function `name` of a robot as a function of JAX's arrays.
+    """Returns the function or fused function `name` of a robot as a function of JAX's arrays.
 
     Its arguments and results are those of the method of `Robot`; the link of a function of one link is given here. Leading axes
     are those of states, and are broadcast. Functions that depend on run-time parameters (the options `runtime_gravity`,

@@ -43,7 +43,7 @@ __all__ = ["function", "parameters", "rollout", "to_tangent"]
 
 
 def function(robot: Robot, name: str, link: str | int | None = None) -> Callable[..., Any]:
-    """Returns the function `name` of a robot as a function of PyTorch's tensors.
+    """Returns the function or fused function `name` of a robot as a function of PyTorch's tensors.
 
     Its arguments and results are those of the method of `Robot`; the link of a function of one link is given here. Leading axes
     are those of states, and are broadcast. Functions that depend on run-time parameters (the options `runtime_gravity`,

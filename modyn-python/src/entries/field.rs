@@ -6,12 +6,12 @@
 use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 
-use modyn_codegen::plan::{ArgumentKind, Derivative, DerivativeMode, EntryFunction};
+use modyn_codegen::plan::{ArgumentKind, Derivative, DerivativeMode, EntryFunction, EntrySource};
 use modyn_codegen::{FloatType, Function};
 use modyn_runtime::simulate::HeightGrid;
 use modyn_runtime::{ContactSurface, Pose, SettingError, StepSettings};
 
-use super::signature;
+use super::signature::{self, Signature};
 use crate::codes::{ArrayShapes, Kernel, Lanes, OwnCode, OwnKernel, StateFunction};
 use crate::number::Number;
 use crate::robot::Robot;
@@ -25,8 +25,7 @@ pub fn poses(robot: &Robot) -> EntryFunction {
     let shapes = robot.model().touching_shapes().into_iter();
     let numbers = shapes.flat_map(|shape| POSE * shape.end.link..POSE * (shape.end.link + 1));
     EntryFunction {
-        function: Function::LinkPoses,
-        link: None,
+        source: EntrySource::Table { function: Function::LinkPoses, link: None },
         results: vec![numbers.collect()],
         feedback: false,
         cost: false,
@@ -95,11 +94,11 @@ impl FieldForm {
                 "`heights` of `HeightField` has the shape ({rows}, {columns}); expected {expected}"
             ));
         }
-        let mut arguments = function.function.row().arguments.iter();
-        let settings =
-            arguments.position(|argument| argument.kind == ArgumentKind::StepSettings).ok_or_else(
-                || format!("`{}` is no step on the ground", function.function.name()),
-            )?;
+        let Signature { name, arguments, .. } = Signature::of(robot, &function.source)?;
+        let mut kinds = arguments.iter().map(|(argument, _)| argument.kind);
+        let settings = kinds
+            .position(|kind| kind == ArgumentKind::StepSettings)
+            .ok_or_else(|| format!("`{name}` is no step on the ground"))?;
         let step = EntryFunction { derivatives: Vec::new(), ..function.clone() };
         let heights = signature::shapes(robot, &step)?.inputs().len();
         let derivative = function.derivatives.first().cloned();

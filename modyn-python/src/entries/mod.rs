@@ -18,8 +18,8 @@ mod xla;
 
 use std::sync::{Arc, PoisonError};
 
-use modyn_codegen::plan::{Derivative, DerivativeMode, EntryFunction, Planned};
-use modyn_codegen::{FloatType, Function};
+use modyn_codegen::plan::{Derivative, DerivativeMode, EntryFunction, EntrySource, Planned};
+use modyn_codegen::{Builder, FloatType, Function};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 
@@ -30,6 +30,7 @@ use crate::errors::{description_error, warn_of_machine_code};
 use crate::robot::Robot;
 pub use cuda::CudaKernel;
 use field::{FieldForm, FieldStep};
+use signature::Signature;
 pub use xla::{xla_cuda_handler, xla_handler};
 
 /// Returns a derivative, given its mode and the indices of the arrays that vary.
@@ -80,9 +81,10 @@ fn with_extras(function: EntryFunction, extras: &Extras) -> EntryFunction {
 
 #[pymethods]
 impl Robot {
-    /// Returns the names of the arguments of a function, each with its shape and its default; the
-    /// run-time parameters that it depends on, each by option and link with its present numbers;
-    /// and its result, whose arrays are their indices. For `modyn.jax` and `modyn.torch`.
+    /// Returns the names of the arguments of a function or a fused function, each with its shape and
+    /// its default; the run-time parameters that it depends on, each by option and link with its
+    /// present numbers; and its result, whose arrays are their indices. For `modyn.jax` and
+    /// `modyn.torch`.
     #[pyo3(signature = (name, link=None))]
     fn _array_signature<'py>(
         &self,
@@ -90,8 +92,8 @@ impl Robot {
         name: &str,
         link: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let (function, _) = self.array_function(name, link)?;
-        signature::of(self, py, function)
+        let source = self.entry_source(name, link)?;
+        Signature::of(self, &source).map_err(PyValueError::new_err)?.in_python(py, self)
     }
 
     /// Returns the code of a function or of a derivative. Each derivative is its mode (`forward`,
@@ -156,10 +158,16 @@ impl Robot {
         link: Option<&Bound<'_, PyAny>>,
         derivatives: Vec<(String, Vec<usize>)>,
     ) -> PyResult<EntryFunction> {
-        let (function, link) = self.array_function(name, link)?;
+        let source = self.entry_source(name, link)?;
         let derivatives = derivatives.into_iter().map(parsed).collect::<PyResult<Vec<_>>>()?;
-        let results = signature::places(self, function);
-        Ok(EntryFunction { function, link, results, feedback: false, cost: false, derivatives })
+        let signature = Signature::of(self, &source).map_err(PyValueError::new_err)?;
+        let results = signature.places();
+        Ok(EntryFunction { source, results, feedback: false, cost: false, derivatives })
+    }
+
+    /// Returns the builder of functions of arrays, which can name the robot's fused functions.
+    fn builder_of_entries(&self) -> Builder {
+        self.builder().clone().fused(self.fused_functions().cloned())
     }
 
     /// Returns the text of a kernel on CUDA, given the numbers of each argument and of each result.
@@ -169,29 +177,27 @@ impl Robot {
         function: &EntryFunction,
         lengths: [&[usize]; 2],
     ) -> PyResult<String> {
-        let builder = self.builder().clone().scalar(self.scalar());
+        let builder = self.builder_of_entries().scalar(self.scalar());
         let text = py.detach(|| builder.emit_rows(function, lengths));
         text.map_err(|errors| description_error(py, &errors))
     }
 
-    /// Returns the function of the table with this name, and the index of its link.
-    fn array_function(
-        &self,
-        name: &str,
-        link: Option<&Bound<'_, PyAny>>,
-    ) -> PyResult<(Function, Option<usize>)> {
+    /// Returns the function of the table with this name and link, or the fused function.
+    fn entry_source(&self, name: &str, link: Option<&Bound<'_, PyAny>>) -> PyResult<EntrySource> {
         let one = |function: &&Function| function.batched().is_none() && function.name() == name;
         let named = Function::ALL.iter().find(one).copied();
-        let function = named
-            .filter(|function| *function != Function::Brge)
-            .ok_or_else(|| PyValueError::new_err(signature::unknown(name)))?;
-        if let Some(step) = function.row().derivatives_of {
+        let function = named.filter(|function| *function != Function::Brge);
+        if function.is_none() && self.fused_named(name).is_none() {
+            return Err(PyValueError::new_err(signature::unknown(name, self)));
+        }
+        if let Some(step) = function.and_then(|function| function.row().derivatives_of) {
             let step = step.name();
             let message = format!("`{name}` is no function of arrays: differentiate `{step}`");
             return Err(PyValueError::new_err(message));
         }
-        self.check_has(function)?;
-        let link = match (function.row().by_link, link.filter(|link| !link.is_none())) {
+        function.map_or(Ok(()), |function| self.check_has(function))?;
+        let by_link = function.is_some_and(|function| function.row().by_link);
+        let link = match (by_link, link.filter(|link| !link.is_none())) {
             (false, None) => None,
             (true, Some(link)) => Some(self.link(link)?),
             (true, None) => {
@@ -203,7 +209,10 @@ impl Robot {
                 return Err(PyTypeError::new_err(message));
             }
         };
-        Ok((function, link))
+        Ok(match function {
+            Some(function) => EntrySource::Table { function, link },
+            None => EntrySource::Fused(name.into()),
+        })
     }
 
     /// Returns the code of a step on a height field with this many rows and columns, given the code of
@@ -260,7 +269,7 @@ impl Robot {
         function: &EntryFunction,
         arrays: &ArrayShapes,
     ) -> PyResult<CodeHandle> {
-        let result_of_planning = self.builder().plan_entries(function);
+        let result_of_planning = self.builder_of_entries().plan_entries(function);
         let planning = result_of_planning.map_err(|errors| description_error(py, &errors))?;
         let planned = planning.plan.functions.first();
         let none = || PyValueError::new_err("there is no such function");

@@ -1,73 +1,130 @@
 //! The arguments and the result of a function as arrays.
 
 use modyn_codegen::diagnostics::suggest;
-use modyn_codegen::plan::{ArgumentKind, Derivative, DerivativeMode, EntryFunction, Sizes};
+use modyn_codegen::plan::{
+    Argument, ArgumentKind, Derivative, DerivativeMode, EntryFunction, EntrySource, Record, Shape,
+    Sizes,
+};
 use modyn_codegen::{FloatType, Function};
 use numpy::PyArray1;
 use pyo3::prelude::*;
-use pyo3::types::{PyList, PyTuple};
+use pyo3::types::PyList;
 
 use crate::checks::Check;
 use crate::codes::ArrayShapes;
 use crate::function::{default_settings, has_zeros};
-use crate::layout::{self, Class, Layout, Leaf};
+use crate::layout::{self, Layout, Leaf};
 use crate::number::Number;
 use crate::robot::Robot;
 
-/// Returns the sizes of a robot. No function of arrays has factors.
-fn sizes(robot: &Robot) -> Sizes {
-    Sizes::new(robot.model(), 0)
+/// What a function takes and returns.
+#[derive(Clone)]
+pub struct Signature {
+    pub name: &'static str,
+    /// The function of the table; `None` for a fused function.
+    function: Option<Function>,
+    pub arguments: Vec<(Argument, Shape)>,
+    depends_on_parameters: bool,
+    result: Shape,
 }
 
-/// Returns the arguments, the parameters and the result of a function, as `Robot._array_signature`
-/// documents them.
-pub fn of<'py>(robot: &Robot, py: Python<'py>, function: Function) -> PyResult<Bound<'py, PyAny>> {
-    let row = function.row();
-    let sizes = sizes(robot);
-    let arguments = PyList::empty(py);
-    for argument in row.arguments {
-        let shape = layout::of_argument(&argument.shape(&sizes));
-        let length = shape.iter().product();
-        let default = match (argument.kind, robot.scalar()) {
-            (ArgumentKind::ActiveContacts, FloatType::F64) => array(py, vec![1.0_f64; length]),
-            (ArgumentKind::ActiveContacts, FloatType::F32) => array(py, vec![1.0_f32; length]),
-            (kind @ (ArgumentKind::Settings | ArgumentKind::StepSettings), scalar) => {
-                match scalar {
-                    FloatType::F64 => array(py, default_settings::<f64>(kind, robot.model())),
-                    FloatType::F32 => array(py, default_settings::<f32>(kind, robot.model())),
-                }
-            }
-            (ArgumentKind::Activations, _) if length > 0 => py.None().into_bound(py),
-            (kind, scalar) if kind == ArgumentKind::Activations || has_zeros(argument.name) => {
-                match scalar {
-                    FloatType::F64 => array(py, vec![0.0_f64; length]),
-                    FloatType::F32 => array(py, vec![0.0_f32; length]),
-                }
-            }
-            _ => py.None().into_bound(py),
-        };
-        let name = match argument.name {
-            // A keyword of Python.
-            "from" => "from_",
-            "step_settings" => "settings",
-            name => name,
-        };
-        arguments.append((name, shape, default))?;
+impl Signature {
+    /// Returns the signature of a function of the table. No function of arrays has factors.
+    fn of_table(robot: &Robot, function: Function) -> Self {
+        let row = function.row();
+        let sizes = Sizes::new(robot.model(), 0);
+        let arguments = row.arguments.iter();
+        Self {
+            name: function.name(),
+            function: Some(function),
+            arguments: arguments.map(|argument| (*argument, argument.shape(&sizes))).collect(),
+            depends_on_parameters: row.depends_on_parameters,
+            result: (row.result)(&sizes),
+        }
     }
-    let parameters = match row.depends_on_parameters {
-        true => robot.run_time_parameters()?,
-        false => Vec::new(),
-    };
-    let result = template(py, &result(robot, function), &mut (0..))?;
-    Ok((arguments, parameters, result).into_pyobject(py)?.into_any())
+
+    /// Returns the signature of a function of a robot.
+    ///
+    /// # Errors
+    ///
+    /// If there is no fused function of this name, or it has factors.
+    pub fn of(robot: &Robot, source: &EntrySource) -> Result<Self, String> {
+        match source {
+            EntrySource::Table { function, .. } => Ok(Self::of_table(robot, *function)),
+            EntrySource::Fused(name) => {
+                let fused = robot.fused_named(name).ok_or_else(|| unknown(name, robot))?;
+                if has_factors(&fused.result) {
+                    return Err(format!(
+                        "fused function `{name}`: `brge` returns factors, which are no arrays: use \
+                         `mass_matrix` in its place"
+                    ));
+                }
+                Ok(Self {
+                    name: fused.name,
+                    function: None,
+                    arguments: fused.arguments.clone(),
+                    depends_on_parameters: fused.depends_on_parameters,
+                    result: fused.result.clone(),
+                })
+            }
+        }
+    }
+
+    fn layout(&self) -> Layout {
+        layout::of_result(&self.result)
+    }
+
+    /// Returns the arrays of the result: for each the places of its numbers in C order.
+    pub fn places(&self) -> Vec<Vec<usize>> {
+        let mut all = Vec::new();
+        walk(&self.layout(), &mut |leaf| all.push(in_order(leaf)));
+        all
+    }
+
+    /// Returns the arguments, the parameters and the result, as `Robot._array_signature` documents
+    /// them.
+    pub fn in_python<'py>(&self, py: Python<'py>, robot: &Robot) -> PyResult<Bound<'py, PyAny>> {
+        let arguments = PyList::empty(py);
+        for (argument, shape) in &self.arguments {
+            let shape = layout::of_argument(shape);
+            let length = shape.iter().product();
+            let default = match (argument.kind, robot.scalar()) {
+                (ArgumentKind::ActiveContacts, FloatType::F64) => array(py, vec![1.0_f64; length]),
+                (ArgumentKind::ActiveContacts, FloatType::F32) => array(py, vec![1.0_f32; length]),
+                (kind @ (ArgumentKind::Settings | ArgumentKind::StepSettings), scalar) => {
+                    match scalar {
+                        FloatType::F64 => array(py, default_settings::<f64>(kind, robot.model())),
+                        FloatType::F32 => array(py, default_settings::<f32>(kind, robot.model())),
+                    }
+                }
+                (ArgumentKind::Activations, _) if length > 0 => py.None().into_bound(py),
+                (kind, scalar) if kind == ArgumentKind::Activations || has_zeros(argument.name) => {
+                    match scalar {
+                        FloatType::F64 => array(py, vec![0.0_f64; length]),
+                        FloatType::F32 => array(py, vec![0.0_f32; length]),
+                    }
+                }
+                _ => py.None().into_bound(py),
+            };
+            let name = match argument.name {
+                // A keyword of Python.
+                "from" => "from_",
+                "step_settings" => "settings",
+                name => name,
+            };
+            arguments.append((name, shape, default))?;
+        }
+        let parameters = match self.depends_on_parameters {
+            true => robot.run_time_parameters()?,
+            false => Vec::new(),
+        };
+        let result = template(py, &self.layout(), &mut (0..))?;
+        Ok((arguments, parameters, result).into_pyobject(py)?.into_any())
+    }
 }
 
 fn array<S: Number>(py: Python<'_>, numbers: Vec<S>) -> Bound<'_, PyAny> {
     PyArray1::from_vec(py, numbers).into_any()
-}
-
-fn result(robot: &Robot, function: Function) -> Layout {
-    layout::of_result(&(function.row().result)(&sizes(robot)))
 }
 
 /// Returns the result with the index of each array in place of the array.
@@ -78,22 +135,21 @@ fn template<'py>(
 ) -> PyResult<Bound<'py, PyAny>> {
     match layout {
         Layout::Array(_) => Ok(next.next().into_pyobject(py)?.into_any()),
-        Layout::Tuple(Class::Package(name), fields) => {
-            let of_fields = fields.iter().map(|(_, layout)| template(py, layout, next));
-            let fields = of_fields.collect::<PyResult<Vec<_>>>()?;
-            let class = py.import("modyn._results")?.getattr(*name)?;
-            class.call1(PyTuple::new(py, fields)?)
+        Layout::Tuple(class, fields) => {
+            let mut field =
+                |(name, layout): &(&'static str, Layout)| Ok((*name, template(py, layout, next)?));
+            class.of_fields(py, fields.iter().map(&mut field).collect::<PyResult<_>>()?)
         }
-        // Only fused functions have types of a robot's own.
-        Layout::Tuple(Class::Fused(_), _) => Ok(py.None().into_bound(py)),
     }
 }
 
-/// Returns the arrays of a function's result: for each the places of its numbers in C order.
-pub fn places(robot: &Robot, function: Function) -> Vec<Vec<usize>> {
-    let mut all = Vec::new();
-    walk(&result(robot, function), &mut |leaf| all.push(in_order(leaf)));
-    all
+/// Returns whether a field of a fused function's result has the factors of the mass matrix.
+fn has_factors(result: &Shape) -> bool {
+    let is_factors = |shape: &Shape| matches!(shape, Shape::Record(Record::Factorization, _));
+    match result {
+        Shape::Record(_, fields) => fields.iter().any(|(_, shape)| is_factors(shape)),
+        Shape::Scalar | Shape::Array(..) => false,
+    }
 }
 
 fn in_order(leaf: &Leaf) -> Vec<usize> {
@@ -110,27 +166,28 @@ fn in_order(leaf: &Leaf) -> Vec<usize> {
 ///
 /// If a derivative varies an array that there is not.
 pub fn shapes(robot: &Robot, function: &EntryFunction) -> Result<ArrayShapes, String> {
-    let row = function.function.row();
-    let sizes = sizes(robot);
-    let arguments = row.arguments.iter();
+    let signature = Signature::of(robot, &function.source)?;
+    let arguments = signature.arguments.iter();
     let mut inputs: Vec<Vec<usize>> =
-        arguments.map(|argument| layout::of_argument(&argument.shape(&sizes))).collect();
-    let nq = sizes.nq;
-    let nv = sizes.nv;
+        arguments.map(|(_, shape)| layout::of_argument(shape)).collect();
+    let nq = robot.model().nq();
+    let nv = robot.model().nv();
     if function.feedback || function.cost {
-        let name = function.function.name();
-        let names: Vec<&str> = row.arguments.iter().map(|argument| argument.name).collect();
-        if !names.starts_with(&["q", "qd", "tau", "dt"]) {
-            return Err(format!(
+        let name = signature.name;
+        let names: Vec<&str> =
+            signature.arguments.iter().map(|(argument, _)| argument.name).collect();
+        let of_table = signature.function.filter(|_| names.starts_with(&["q", "qd", "tau", "dt"]));
+        let step = of_table.ok_or_else(|| {
+            format!(
                 "`{name}` is no time step under joint forces, so it has no feedback and no cost"
-            ));
-        }
-        if function.cost && row.has_solver {
+            )
+        })?;
+        if function.cost && step.row().has_solver {
             return Err(format!("`{name}` has no cost: compute it from the states"));
         }
     }
-    let of_arguments = row.arguments.iter().enumerate().filter_map(|(k, argument)| {
-        Some((k, argument.name, Check::of(Some(function.function), argument)?))
+    let of_arguments = signature.arguments.iter().enumerate().filter_map(|(k, (argument, _))| {
+        Some((k, argument.name, Check::of(signature.function, argument)?))
     });
     let checks = of_arguments.collect();
     if function.cost {
@@ -144,9 +201,10 @@ pub fn shapes(robot: &Robot, function: &EntryFunction) -> Result<ArrayShapes, St
         inputs.extend([vec![nq], vec![nv], vec![2 * nv], vec![nv]]);
     }
     let parameters = robot.parameter_count();
-    inputs.extend((row.depends_on_parameters && parameters > 0).then_some(vec![parameters]));
+    let has_parameters = signature.depends_on_parameters && parameters > 0;
+    inputs.extend(has_parameters.then_some(vec![parameters]));
     let mut outputs = Vec::new();
-    walk(&result(robot, function.function), &mut |leaf| outputs.push(leaf.shape(None)));
+    walk(&signature.layout(), &mut |leaf| outputs.push(leaf.shape(None)));
     outputs.extend(function.cost.then(Vec::new));
     for Derivative { mode, variables } in &function.derivatives {
         let is_sorted = variables.is_sorted_by(|a, b| a < b);
@@ -178,14 +236,18 @@ fn walk(layout: &Layout, each: &mut impl FnMut(&Leaf)) {
     }
 }
 
-/// Returns the message that there is no function of this name.
-pub fn unknown(name: &str) -> String {
+/// Returns the message that a robot has no function of this name.
+pub fn unknown(name: &str, robot: &Robot) -> String {
     if name == Function::Brge.name() {
         return "`brge` returns factors, which are no arrays: use `mass_matrix`".into();
     }
     let one = Function::ALL.iter().filter(|function| function.batched().is_none());
-    match suggest(name, one.map(|function| function.name())) {
+    let names = one.map(|function| function.name()).chain(robot.fused_names());
+    match suggest(name, names) {
         Some(meant) => format!("there is no function `{name}`; did you mean `{meant}`?"),
-        None => format!("there is no function `{name}`; `modyn.functions()` has all names"),
+        None => format!(
+            "there is no function `{name}`; `modyn.functions()` has all names, and `fused_names` of \
+             the robot those of its fused functions"
+        ),
     }
 }

@@ -39,7 +39,8 @@ impl GpuRollout {
     ) -> PyResult<Self> {
         let cpu_robot = robot.get();
         let base = cpu_robot.builder().clone().scalar(FloatType::F32);
-        let builder = base.functions(functions.iter().copied()).fused(cpu_robot.fused().cloned());
+        let builder =
+            base.functions(functions.iter().copied()).fused(cpu_robot.fused_functions().cloned());
         let planning = builder.plan().map_err(|errors| description_error(py, &errors))?;
         let created = py.detach(|| Rollout::new(gpu, &builder, options));
         let rollout = created.map_err(|error| exception(py, error))?;
