@@ -6,7 +6,7 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 use super::exception;
-use crate::arrays::{Given, Output, in_order, tuple};
+use crate::arrays::{Given, Output, ResultForm, in_order, tuple};
 use crate::checks::Check;
 use crate::layout::{Layout, Leaf};
 
@@ -33,8 +33,13 @@ impl GpuArray {
         let scalars = self.array.scalars();
         let states = self.array.states();
         let columns = py.detach(|| self.array.read()).map_err(|error| exception(py, error))?;
-        let layout = (&self.layout, scalars);
-        let mut output = Output::<f32>::new(py, "numpy", layout, Some(states), (None, &[]))?;
+        let form = ResultForm {
+            function: "numpy",
+            layout: &self.layout,
+            length: scalars,
+            states: Some(states),
+        };
+        let mut output = Output::<f32>::new(py, form, None, &[])?;
         for (i, state) in output.as_mut_slice()?.chunks_exact_mut(scalars).enumerate() {
             for (j, number) in state.iter_mut().enumerate() {
                 *number = columns[j * states + i];

@@ -106,7 +106,7 @@ impl GpuRollout {
     ) -> PyResult<Bound<'py, PyAny>> {
         let source = self.rollout.source();
         let step = function_named(step)?;
-        let start = |name: &str, count: usize, object| {
+        let start = |name: &'static str, count: usize, object| {
             Argument::read("run", name, None, &[count], object)?.uploaded(py, &self.gpu, 1)
         };
         let q = start("q", source.nq, q)?;
