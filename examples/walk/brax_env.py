@@ -11,6 +11,7 @@ import jax.numpy as jnp
 from brax.envs.base import Env, State
 from brax.training.agents.ppo import networks, train
 from environment import EPISODE, Walk
+from train import BATCHES, DISCOUNT, DIVERGENCE, ENTROPY, HIDDEN, HORIZON, PASSES
 
 
 class WalkBrax(Env):
@@ -67,7 +68,7 @@ class WalkBrax(Env):
 
 def make_networks(*sizes, **named):
     """Returns networks of the sizes of `train.py`, whose critic has the privileged observations."""
-    hidden = {"policy_hidden_layer_sizes": (128, 128), "value_hidden_layer_sizes": (128, 128)}
+    hidden = {"policy_hidden_layer_sizes": HIDDEN, "value_hidden_layer_sizes": HIDDEN}
     return networks.make_ppo_networks(*sizes, **hidden, value_obs_key="privileged_state", **named)
 
 
@@ -78,9 +79,10 @@ def main():
     given = parser.parse_args()
     show = lambda steps, metrics: print(steps, {k: float(v) for k, v in metrics.items() if k.startswith("eval/episode_reward")}, flush=True)
     train.train(
-        WalkBrax(given.worlds), round(given.steps), num_envs=given.worlds, episode_length=EPISODE, unroll_length=24,
-        batch_size=given.worlds // 4, num_minibatches=4, num_updates_per_batch=2, learning_rate=1e-3, discounting=0.98,
-        entropy_cost=0.004, num_evals=10, network_factory=make_networks, progress_fn=show,
+        WalkBrax(given.worlds), round(given.steps), num_envs=given.worlds, episode_length=EPISODE, unroll_length=HORIZON,
+        batch_size=given.worlds // BATCHES, num_minibatches=BATCHES, num_updates_per_batch=PASSES, learning_rate=1e-3,
+        learning_rate_schedule="ADAPTIVE_KL", learning_rate_schedule_max_lr=3e-3, desired_kl=DIVERGENCE, discounting=DISCOUNT,
+        entropy_cost=ENTROPY, num_evals=10, network_factory=make_networks, progress_fn=show,
     )
 
 

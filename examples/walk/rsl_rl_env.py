@@ -13,15 +13,19 @@ from environment import EPISODE, Walk
 from rsl_rl.env import VecEnv
 from rsl_rl.runners import OnPolicyRunner
 from tensordict import TensorDict
+from train import BATCHES, DISCOUNT, DIVERGENCE, ENTROPY, HIDDEN, HORIZON, PASSES
 
-NETWORK = {"class_name": "MLPModel", "hidden_dims": [128, 128], "activation": "tanh"}
+NETWORK = {"class_name": "MLPModel", "hidden_dims": [*HIDDEN], "activation": "tanh"}
 SETTINGS = {
-    "num_steps_per_env": 24,
+    "num_steps_per_env": HORIZON,
     "save_interval": 100,
     "obs_groups": {"actor": ["actor"], "critic": ["critic"]},
     "actor": NETWORK | {"distribution_cfg": {"class_name": "GaussianDistribution", "init_std": 0.5}},
     "critic": NETWORK,
-    "algorithm": {"class_name": "PPO", "gamma": 0.98, "entropy_coef": 0.004, "num_learning_epochs": 2},
+    "algorithm": {
+        "class_name": "PPO", "gamma": DISCOUNT, "entropy_coef": ENTROPY, "num_learning_epochs": PASSES, "num_mini_batches": BATCHES,
+        "desired_kl": DIVERGENCE,
+    },
 }
 
 
