@@ -118,8 +118,10 @@ def ptxas(ptx, architecture):
             sys.exit(found.stderr)
         code = instructions(output.read_bytes())
     registers = re.search(r"Used (\d+) registers", found.stderr)
-    stack = re.search(r"(\d+) bytes stack frame, (\d+) bytes spill stores, (\d+) bytes spill loads", found.stderr)
-    return [int(registers[1]), int(stack[1]), int(stack[2]) + int(stack[3]), code]
+    stack = re.search(r"(\d+) bytes cumulative stack size", found.stderr)
+    # Of the kernel and of the functions that it calls.
+    spills = re.findall(r"(\d+) bytes spill (?:stores|loads)", found.stderr)
+    return [int(registers[1]), int(stack[1]), sum(map(int, spills)), code]
 
 
 def instructions(cubin):
