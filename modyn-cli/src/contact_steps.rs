@@ -3,7 +3,7 @@
 //!
 //! `modyn::simulate::State::step` is the same step for generated robots.
 
-use modyn_runtime::equations::TimeStepInput;
+use modyn_runtime::equations::{State, TimeStepInput};
 use modyn_runtime::equations::actuation::ActuatorInput;
 use modyn_runtime::equations::soft_constraints::{
     ActuatedInput, SoftModel, StepInput, TouchingPoint,
@@ -231,7 +231,7 @@ impl ContactSteps {
     pub fn step(&mut self, input: TimeStepInput<'_, f64>) -> Result<Step, ShapeError> {
         let TimeStepInput { q, qd, tau, dt } = input;
         let Self { interpreter, settings, qdd, actuators, .. } = self;
-        let points = interpreter.touching_points(q, settings)?;
+        let points = interpreter.touching_points(State { q, qd }, settings)?;
         let mut forces = vec![0.0; 3 * points.len()];
         let mut step = Step {
             q: vec![0.0; q.len()],
@@ -269,7 +269,7 @@ impl ContactSteps {
         }
         qdd.copy_from_slice(&step.qdd);
         let forces = points.into_iter().zip(forces.as_chunks::<3>().0);
-        let in_world = forces.map(|(TouchingPoint { shape, place, gap }, force)| GroundPoint {
+        let in_world = forces.map(|(TouchingPoint { shape, place, gap, .. }, force)| GroundPoint {
             place: place.0,
             force: settings.surfaces[shape].plane.rotate(*force),
             gap,
@@ -309,7 +309,8 @@ fn move_to_ground(
 ) -> Result<(), ShapeError> {
     let mut interpreter = Interpreter::<f64>::new(model.clone());
     let settings = model.step_settings();
-    let points = interpreter.touching_points(q, &settings)?;
+    let rest = vec![0.0; model.nv()];
+    let points = interpreter.touching_points(State { q, qd: &rest }, &settings)?;
     let shapes = model.touching_shapes();
     // The link of each point, and the height of the point.
     let height_of = |&TouchingPoint { shape, gap, .. }: &TouchingPoint<f64>| {

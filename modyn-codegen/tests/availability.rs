@@ -65,7 +65,7 @@ fn missing_functions_have_the_arguments_of_those_that_are_there() {
                 let found = missing.get(name).or_else(|| always.get(name));
                 assert_eq!(found, Some(arguments), "{robot}: {name}");
             }
-            // A tree has no constraints and no actuators, so their functions are never selected.
+            // A tree has no constraints, no actuators and touches no ground, so their functions are never selected.
             let is_special = |name: &String| {
                 let one = ["_with", "_batch", "_each"]
                     .iter()

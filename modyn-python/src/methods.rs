@@ -865,6 +865,27 @@ impl Robot {
         self.call(py, 41, &[Some(q), Some(qd), Some(tau), Some(tangent_q), Some(tangent_qd), Some(tangent_tau), Some(dt), warm_start, settings], None, out)
     }
 
+    /// Returns the points of the shapes that can touch the ground, in the order of the `forces` of
+    /// `step`: the heights `gaps` above the ground (m; negative in it), the `positions` in the
+    /// middle between the shape and the ground (m, world axes), and the `velocities` of the link
+    /// there, along the x and y axes of the plane, then along its normal (m/s).
+    ///
+    /// Arguments: `q`: (nq,); `qd`: (nv,); `settings`: `StepSettings`, by default the result of
+    /// `step_settings()`.
+    /// Result: `TouchingPoints`: `gaps` (touching points,), `positions` (touching points, 3),
+    /// `velocities` (touching points, 3). Several states have one more axis, the first.
+    #[pyo3(signature = (q, qd, settings=None, *, out=None))]
+    fn touching_points<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        qd: &Bound<'py, PyAny>,
+        settings: Argument<'_, 'py>,
+        out: Argument<'_, 'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        self.call(py, 42, &[Some(q), Some(qd), settings], None, out)
+    }
+
     /// Returns the joint forces `tau` of the actuators under the controls `ctrl`, in the order of
     /// `control_names`, and the activations after the time `dt` (s), in the order of
     /// `activation_names`. The laws are MuJoCo's: controls, forces, activations and joint forces
@@ -885,7 +906,7 @@ impl Robot {
         act: Argument<'_, 'py>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 42, &[Some(q), Some(qd), Some(ctrl), Some(dt), act], None, out)
+        self.call(py, 43, &[Some(q), Some(qd), Some(ctrl), Some(dt), act], None, out)
     }
 
     /// Returns the state and the activations after a step of the time `dt` (s) under the controls
@@ -914,7 +935,7 @@ impl Robot {
         settings: Argument<'_, 'py>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 43, &[Some(q), Some(qd), Some(ctrl), Some(dt), act, applied, warm_start, settings], None, out)
+        self.call(py, 44, &[Some(q), Some(qd), Some(ctrl), Some(dt), act, applied, warm_start, settings], None, out)
     }
 
     /// Returns the results of `step_actuated`, and the derivatives of the state after it: `a` with
@@ -943,7 +964,7 @@ impl Robot {
         settings: Argument<'_, 'py>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 44, &[Some(q), Some(qd), Some(ctrl), Some(dt), act, applied, warm_start, settings], None, out)
+        self.call(py, 45, &[Some(q), Some(qd), Some(ctrl), Some(dt), act, applied, warm_start, settings], None, out)
     }
 
     /// Returns the results of `step_actuated`, and the gradients of `state_cotangent`^T state +
@@ -975,7 +996,7 @@ impl Robot {
         settings: Argument<'_, 'py>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 45, &[Some(q), Some(qd), Some(ctrl), Some(dt), Some(state_cotangent), act, act_cotangent, applied, warm_start, settings], None, out)
+        self.call(py, 46, &[Some(q), Some(qd), Some(ctrl), Some(dt), Some(state_cotangent), act, act_cotangent, applied, warm_start, settings], None, out)
     }
 
     /// Returns the results of `step_actuated`, and the change `tangent_x` of the state after it
@@ -1009,7 +1030,7 @@ impl Robot {
         settings: Argument<'_, 'py>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 46, &[Some(q), Some(qd), Some(tangent_q), Some(tangent_qd), Some(ctrl), Some(tangent_ctrl), Some(dt), act, tangent_act, applied, warm_start, settings], None, out)
+        self.call(py, 47, &[Some(q), Some(qd), Some(tangent_q), Some(tangent_qd), Some(ctrl), Some(tangent_ctrl), Some(dt), act, tangent_act, applied, warm_start, settings], None, out)
     }
 
     /// Returns the joint forces of the accelerations `qdd`, the wrenches of the active contacts
@@ -1034,7 +1055,7 @@ impl Robot {
         settings: Argument<'_, 'py>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 47, &[Some(q), Some(qd), Some(qdd), active, settings], None, out)
+        self.call(py, 48, &[Some(q), Some(qd), Some(qdd), active, settings], None, out)
     }
 
     /// Returns the Jacobian of each constraint. The product with `qd` is, for a loop constraint,
@@ -1052,7 +1073,7 @@ impl Robot {
         q: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 48, &[Some(q)], None, out)
+        self.call(py, 49, &[Some(q)], None, out)
     }
 
     /// Returns the bias acceleration of each constraint: the time derivative of
@@ -1069,7 +1090,7 @@ impl Robot {
         qd: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 49, &[Some(q), Some(qd)], None, out)
+        self.call(py, 50, &[Some(q), Some(qd)], None, out)
     }
 
     /// Returns the Delassus matrix J M^-1 J^T of the constraints with the mass matrix M, its
@@ -1093,7 +1114,7 @@ impl Robot {
         settings: Argument<'_, 'py>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 50, &[Some(q), active, settings], None, out)
+        self.call(py, 51, &[Some(q), active, settings], None, out)
     }
 
     /// Returns the regressor Y of inverse dynamics: tau = Y pi, without armatures and friction. pi
@@ -1111,7 +1132,7 @@ impl Robot {
         qdd: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 51, &[Some(q), Some(qd), Some(qdd)], None, out)
+        self.call(py, 52, &[Some(q), Some(qd), Some(qdd)], None, out)
     }
 
     /// Returns the centre of mass of the moving links in world axes, m.
@@ -1125,7 +1146,7 @@ impl Robot {
         q: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 52, &[Some(q)], None, out)
+        self.call(py, 53, &[Some(q)], None, out)
     }
 
     /// Returns the Jacobian of the centre of mass. Its product with `qd` is the velocity of the
@@ -1140,7 +1161,7 @@ impl Robot {
         q: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 53, &[Some(q)], None, out)
+        self.call(py, 54, &[Some(q)], None, out)
     }
 
     /// Returns the centroidal momentum matrix. Its product with `qd` is the momentum about the
@@ -1157,7 +1178,7 @@ impl Robot {
         q: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 54, &[Some(q)], None, out)
+        self.call(py, 55, &[Some(q)], None, out)
     }
 
     /// Returns the centroidal composite inertia. Its product with a twist is the momentum about the
@@ -1174,7 +1195,7 @@ impl Robot {
         q: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 55, &[Some(q)], None, out)
+        self.call(py, 56, &[Some(q)], None, out)
     }
 
     /// Returns the momentum of the moving links about their centre of mass, in world axes.
@@ -1191,7 +1212,7 @@ impl Robot {
         qd: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 56, &[Some(q), Some(qd)], None, out)
+        self.call(py, 57, &[Some(q), Some(qd)], None, out)
     }
 
     /// Returns the time derivative of the centroidal momentum in world axes: the moment (N m) and
@@ -1210,7 +1231,7 @@ impl Robot {
         qdd: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 57, &[Some(q), Some(qd), Some(qdd)], None, out)
+        self.call(py, 58, &[Some(q), Some(qd), Some(qdd)], None, out)
     }
 
     /// Returns the momentum of the moving links about their centre of mass, its time derivative at
@@ -1231,7 +1252,7 @@ impl Robot {
         qdd: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 58, &[Some(q), Some(qd), Some(qdd)], None, out)
+        self.call(py, 59, &[Some(q), Some(qd), Some(qdd)], None, out)
     }
 
     /// Returns the poses in the world of all links of the description, fixed links included, in the
@@ -1247,7 +1268,7 @@ impl Robot {
         q: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 59, &[Some(q)], None, out)
+        self.call(py, 60, &[Some(q)], None, out)
     }
 
     /// Returns the pose of a link in the world. Computes the link's kinematic path only.
@@ -1263,7 +1284,7 @@ impl Robot {
         link: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 60, &[Some(q)], Some(link), out)
+        self.call(py, 61, &[Some(q)], Some(link), out)
     }
 
     /// Returns the velocity of a link's origin (m/s) and its angular velocity (rad/s), in world
@@ -1282,7 +1303,7 @@ impl Robot {
         link: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 61, &[Some(q), Some(qd)], Some(link), out)
+        self.call(py, 62, &[Some(q), Some(qd)], Some(link), out)
     }
 
     /// Returns the velocity of a link's origin (m/s) and its angular velocity (rad/s), in the
@@ -1301,7 +1322,7 @@ impl Robot {
         link: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 62, &[Some(q), Some(qd)], Some(link), out)
+        self.call(py, 63, &[Some(q), Some(qd)], Some(link), out)
     }
 
     /// Returns the classical acceleration of a link's origin (m/s^2) and its angular acceleration
@@ -1321,7 +1342,7 @@ impl Robot {
         link: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 63, &[Some(q), Some(qd), Some(qdd)], Some(link), out)
+        self.call(py, 64, &[Some(q), Some(qd), Some(qdd)], Some(link), out)
     }
 
     /// Returns the classical acceleration of a link's origin (m/s^2) and its angular acceleration
@@ -1342,7 +1363,7 @@ impl Robot {
         link: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 64, &[Some(q), Some(qd), Some(qdd)], Some(link), out)
+        self.call(py, 65, &[Some(q), Some(qd), Some(qdd)], Some(link), out)
     }
 
     /// Returns the Jacobian of a link. Its product with `qd` is the velocity of the link at its
@@ -1359,7 +1380,7 @@ impl Robot {
         link: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 65, &[Some(q)], Some(link), out)
+        self.call(py, 66, &[Some(q)], Some(link), out)
     }
 
     /// Returns the Jacobian of a link. Its product with `qd` is the velocity of the link at its
@@ -1376,7 +1397,7 @@ impl Robot {
         link: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 66, &[Some(q)], Some(link), out)
+        self.call(py, 67, &[Some(q)], Some(link), out)
     }
 
     /// Returns the time derivative of `jacobian`. Its product with `qd` is `jacobian_dot_qd`.
@@ -1395,7 +1416,7 @@ impl Robot {
         link: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 67, &[Some(q), Some(qd)], Some(link), out)
+        self.call(py, 68, &[Some(q), Some(qd)], Some(link), out)
     }
 
     /// Returns the time derivative of `jacobian_local`. Its product with `qd` is
@@ -1414,7 +1435,7 @@ impl Robot {
         link: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 68, &[Some(q), Some(qd)], Some(link), out)
+        self.call(py, 69, &[Some(q), Some(qd)], Some(link), out)
     }
 
     /// Returns the bias acceleration of a link in world axes: the time derivative of `jacobian`
@@ -1434,7 +1455,7 @@ impl Robot {
         link: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 69, &[Some(q), Some(qd)], Some(link), out)
+        self.call(py, 70, &[Some(q), Some(qd)], Some(link), out)
     }
 
     /// Returns the bias acceleration of a link in its own axes: the time derivative of
@@ -1453,7 +1474,7 @@ impl Robot {
         link: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 70, &[Some(q), Some(qd)], Some(link), out)
+        self.call(py, 71, &[Some(q), Some(qd)], Some(link), out)
     }
 
     /// Returns the coordinates after the displacement `v` (a velocity times a time) from `q`.
@@ -1468,7 +1489,7 @@ impl Robot {
         v: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 71, &[Some(q), Some(v)], None, out)
+        self.call(py, 72, &[Some(q), Some(v)], None, out)
     }
 
     /// Returns the displacement `v` with which `integrate` leads from `from_` to `to`. Rotations
@@ -1484,7 +1505,7 @@ impl Robot {
         to: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 72, &[Some(from_), Some(to)], None, out)
+        self.call(py, 73, &[Some(from_), Some(to)], None, out)
     }
 
     /// Returns the derivatives of `integrate` with respect to `q` and `v` in tangent space:
@@ -1501,7 +1522,7 @@ impl Robot {
         v: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 73, &[Some(q), Some(v)], None, out)
+        self.call(py, 74, &[Some(q), Some(v)], None, out)
     }
 
     /// Returns the derivatives of `difference` with respect to `from_` and `to` in tangent space:
@@ -1518,7 +1539,7 @@ impl Robot {
         to: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 74, &[Some(from_), Some(to)], None, out)
+        self.call(py, 75, &[Some(from_), Some(to)], None, out)
     }
 
     /// Returns dq/dt, the rates of the coordinates `q` at the velocities `qd`.
@@ -1533,7 +1554,7 @@ impl Robot {
         qd: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 75, &[Some(q), Some(qd)], None, out)
+        self.call(py, 76, &[Some(q), Some(qd)], None, out)
     }
 
     /// Returns the coordinates with quaternions scaled to length 1.
@@ -1547,7 +1568,7 @@ impl Robot {
         q: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 76, &[Some(q)], None, out)
+        self.call(py, 77, &[Some(q)], None, out)
     }
 
     /// Returns coordinates within the joint limits, from random numbers uniformly distributed in
@@ -1563,7 +1584,7 @@ impl Robot {
         uniforms: &Bound<'py, PyAny>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 77, &[Some(uniforms)], None, out)
+        self.call(py, 78, &[Some(uniforms)], None, out)
     }
     // <!-- end -->
 }

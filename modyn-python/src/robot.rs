@@ -237,11 +237,13 @@ impl Robot {
             };
             return joint.map_or(Ok(()), |joint| Err(PyValueError::new_err(message(joint))));
         }
-        let robots = match function.row().of_actuators {
-            true => {
-                "robots with actuators (the option `actuators`, or the `<actuator>` of an MJCF)"
-            }
-            false => "robots with closed loops or contacts (the options `loops` and `contacts`)",
+        let row = function.row();
+        let robots = if row.of_actuators {
+            "robots with actuators (the option `actuators`, or the `<actuator>` of an MJCF)"
+        } else if row.of_touching_shapes {
+            "robots with shapes that touch the ground (the options `contacts` and `ground`, or the planes of an MJCF or an SDF)"
+        } else {
+            "robots with closed loops or contacts (the options `loops` and `contacts`)"
         };
         let message = format!("only {robots} have the function `{}`", function.name());
         Err(PyValueError::new_err(message))

@@ -224,6 +224,39 @@ def test_run_time_parameters():
     assert np.abs(found.q - before.q).max() > 1e-6
 
 
+def test_parameters_of_each_motion():
+    """A motion with parameters is that of a robot that has them; gradients are differences."""
+    own = robot(payload=["link3"], runtime_gravity=True)
+    q, qd, controls, dt = motions(own)
+    rng = np.random.default_rng(5)
+    payload = np.concatenate([np.ones((11, 1)), 0.1 * rng.normal(size=(11, 3)), np.tile([0.1, 0, 0, 0.1, 0, 0.1], (11, 1))], 1)
+    parameters = {"gravity": rng.normal(size=(11, 3)), "payload": {"link3": payload}}
+    found = own.rollout(q, qd, controls, dt, parameters=parameters)
+    weights = rng.normal(size=found.q.shape), rng.normal(size=found.qd.shape)
+    gradient = own.rollout_vjp(q, qd, controls, dt, *weights, parameters=parameters)
+    for k in range(11):
+        other = robot(payload=["link3"], runtime_gravity=True)
+        other.set_gravity(parameters["gravity"][k])
+        other.set_payload("link3", payload[k, 0], payload[k, 1:4], payload[k, 4:])
+        alone = other.rollout(q[k], qd[k], controls[k], dt[k])
+        close(found.q[k], alone.q, 1e-9)
+        expected = other.rollout_vjp(q[k], qd[k], controls[k], dt[k], weights[0][k], weights[1][k])
+        close(gradient.q[k], expected.q, 1e-8)
+    change = rng.normal(size=(11, 3)), rng.normal(size=(11, 10))
+
+    def total(step):
+        gravity, load = parameters["gravity"] + step * change[0], payload + step * change[1]
+        end = own.rollout(q, qd, controls, dt, parameters={"gravity": gravity, "payload": {"link3": load}})
+        return (weights[0] * end.q).sum() + (weights[1] * end.qd).sum()
+
+    product = (gradient.parameters["gravity"] * change[0]).sum() + (gradient.parameters["payload"]["link3"] * change[1]).sum()
+    close(product, (total(1e-5) - total(-1e-5)) / 2e-5, 1e-6)
+    with pytest.raises(ValueError, match=r'`parameters` of .* lacks \["payload"\]\["link3"\]'):
+        own.rollout(q, qd, controls, dt, parameters={"gravity": np.zeros(3)})
+    with pytest.raises(TypeError, match="no run-time parameters: load it with `runtime_gravity=True`"):
+        robot().rollout(q, qd, controls, dt, parameters={})
+
+
 def test_refused():
     own = robot("fixed")
     q, qd, controls, _ = (x[0] for x in motions(own))

@@ -63,6 +63,8 @@ traits! {
     GeneralizedForcesLocal "`{Self}` has no function `generalized_forces_local`";
     /// Robots that have `generalized_forces`.
     GeneralizedForces "`{Self}` has no function `generalized_forces`";
+    /// Robots that have `touching_points`.
+    TouchingPoints "`{Self}` has no function `touching_points`";
     /// Robots that have `actuate`.
     Actuate "`{Self}` has no function `actuate`";
     /// Robots that have `regressor`.
@@ -105,6 +107,8 @@ traits! {
     NormalizeConfiguration "`{Self}` has no function `normalize_configuration`";
     /// Robots that have `random_configuration`.
     RandomConfiguration "`{Self}` has no function `random_configuration`";
+    /// Robots that have `touching_points_batch`.
+    TouchingPointsBatch "`{Self}` has no function `touching_points_batch`";
     /// Robots that have `actuate_batch`.
     ActuateBatch "`{Self}` has no function `actuate_batch`";
     // <!-- end -->

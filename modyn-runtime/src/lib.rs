@@ -95,6 +95,7 @@ pub use results::{
     ImpactDynamics, IntegrateDerivatives, InverseDynamicsDerivatives, InverseDynamicsHessian,
     InverseDynamicsJvp, InverseDynamicsVjp, Knot, LinearizedActuatedStep, LinearizedStep,
     OperationalSpaceInertia, Step, StepDerivatives, StepHessian, StepJvp, StepSolution, StepVjp,
+    TouchingPoints,
 };
 #[cfg(feature = "alloc")]
 pub use robot::EmbeddedModel;

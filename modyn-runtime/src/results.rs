@@ -317,6 +317,18 @@ pub struct ImpactDynamics<V, W, T> {
     pub rank: T,
 }
 
+/// The points of the shapes that can touch the ground.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TouchingPoints<G, P> {
+    /// The height of the shape above the ground at each point, m; negative in the ground.
+    pub gaps: G,
+    /// The places in the world, m: in the middle between the shape and the ground.
+    pub positions: P,
+    /// The velocity of the link at each place, along the x and y axes of the plane, then along its
+    /// normal, m/s.
+    pub velocities: P,
+}
+
 /// The joint forces of actuators, and their activations after a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ActuatorForces<V, A> {

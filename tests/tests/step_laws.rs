@@ -2,7 +2,7 @@
 //! the momentum, and contacts take energy.
 
 use modyn_runtime::equations::soft_constraints::{SoftModel, StepInput, TouchingPoint};
-use modyn_runtime::equations::{Motion, TimeStepInput};
+use modyn_runtime::equations::{Motion, State, TimeStepInput};
 use modyn_runtime::joint::JointType;
 use modyn_runtime::model::Model;
 use modyn_runtime::spatial::{Matrix3, Momentum, Vector3};
@@ -64,7 +64,7 @@ fn step(
     settings: &Settings,
 ) -> Stepped {
     let TimeStepInput { q, qd, .. } = input;
-    let points = robot.touching_points(q, settings).expect("lengths").len();
+    let points = robot.touching_points(State { q, qd }, settings).expect("lengths").len();
     let mut forces = vec![[0.0; 3]; points];
     let [mut next_q, mut next_qd, mut qdd] = [q.to_vec(), qd.to_vec(), qd.to_vec()];
     let outputs = StepSolutionOutputs {
@@ -100,7 +100,8 @@ fn momentum_changes_by_forces_from_outside() {
             for height in [0.0, 50.0] {
                 let mut q = q.clone();
                 q[2] += height;
-                let points = robot.touching_points(&q, &settings).expect("lengths");
+                let points =
+                    robot.touching_points(State { q: &q, qd: &qd }, &settings).expect("lengths");
                 let input = TimeStepInput { q: &q, qd: &qd, tau: &tau, dt: 0.002 };
                 let Stepped { qdd, forces, .. } = step(&mut robot, input, &settings);
                 let motion = Motion { q: &q, qd: &qd, qdd: &qdd };
@@ -139,6 +140,45 @@ fn momentum_changes_by_forces_from_outside() {
 
 /// A ground almost without friction hardly pushes along itself: in a motion over it only gravity changes
 /// the momentum along it, up to the error of the steps. Friction changes the momentum.
+/// The velocity of a point is the velocity of its link there, and its part along the normal is the rate of
+/// the gap.
+#[test]
+fn velocities_of_touching_points() {
+    for Floating { model, states } in floating() {
+        let mut robot = Interpreter::<f64>::new(model.clone());
+        let shapes = model.touching_shapes();
+        let settings = model.step_settings();
+        for [q, qd, _] in states {
+            let mut points = |q: &[f64]| {
+                robot.touching_points(State { q, qd: &qd }, &settings).expect("lengths")
+            };
+            let here = points(&q);
+            let rest = Interpreter::<f64>::new(model.clone());
+            let after = |time: f64| {
+                let mut moved = q.clone();
+                let change: Vec<f64> = qd.iter().map(|v| v * time).collect();
+                rest.integrate(&q, &change, &mut moved).expect("lengths");
+                moved
+            };
+            let [before, later] = [-1e-6, 1e-6].map(|time| points(&after(time)));
+            for (point, (before, later)) in here.iter().zip(before.iter().zip(&later)) {
+                let link = shapes[point.shape].end.link;
+                let twist = robot.link_velocity(&q, &qd, link).expect("a link");
+                let origin = Vector3(robot.link_pose(&q, link).expect("a link").translation);
+                let in_world = twist.linear + twist.angular.cross(point.place - origin);
+                let plane = Matrix3(settings.surfaces[point.shape].plane.rotation);
+                let expected = plane.transposed().mul_vector(in_world);
+                let size = 1.0 + in_world.dot(in_world).sqrt();
+                for (found, expected) in point.velocity.0.iter().zip(expected.0) {
+                    assert!((found - expected).abs() < 1e-12 * size, "{found} {expected}");
+                }
+                let rate = (later.gap - before.gap) / 2e-6;
+                assert!((rate - point.velocity.0[2]).abs() < 1e-6 * size, "{rate} {point:?}");
+            }
+        }
+    }
+}
+
 #[test]
 fn slippery_ground_keeps_the_momentum_along_it() {
     let [mut largest, mut pushed] = [0.0_f64; 2];
@@ -196,7 +236,7 @@ fn contacts_dissipate_energy() {
         let settings = model.step_settings();
         let [q, qd, _] = &states[0];
         let [mut q, mut qd] = [q.clone(), qd.clone()];
-        let gaps = robot.touching_points(&q, &settings).expect("lengths");
+        let gaps = robot.touching_points(State { q: &q, qd: &qd }, &settings).expect("lengths");
         let lowest = gaps.iter().map(|point| point.gap).fold(f64::INFINITY, f64::min);
         q[2] += 0.02 - lowest;
         let height = robot.center_of_mass(&q).expect("lengths")[2];

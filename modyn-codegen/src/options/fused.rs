@@ -248,14 +248,16 @@ impl Member {
     ) -> Result<plan::Member, (String, String)> {
         let name = function.name();
         if !function.fits(&Sizes::new(model, 0)) {
-            let (robots, help) = match function.row().of_actuators {
-                true => ("robots with actuators", "leave it out, or give the robot `actuators`"),
-                false => (
-                    "robots with closed loops or contacts",
-                    "leave it out, or give the robot `contacts` or `loops`",
-                ),
+            let row = function.row();
+            let (robots, needed) = if row.of_actuators {
+                ("robots with actuators", "`actuators`")
+            } else if row.of_touching_shapes {
+                ("robots with shapes that touch the ground", "`contacts` or a `ground`")
+            } else {
+                ("robots with closed loops or contacts", "`contacts` or `loops`")
             };
-            return Err((format!("only {robots} have the function `{name}`"), help.into()));
+            let help = format!("leave it out, or give the robot {needed}");
+            return Err((format!("only {robots} have the function `{name}`"), help));
         }
         if function.row().has_solver {
             let message =

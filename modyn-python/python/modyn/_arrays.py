@@ -337,6 +337,18 @@ class RolloutSignature:
         check("rollout", ["ground.origin", "ground.spacing"], [(2,), (2,)], pairs)
         given["grid"] = concatenate(pairs)
 
+    def add_parameters(
+        self, given: dict[str, Any], parameters: Any, asarray: Callable[[Any], Any], concatenate: Callable[[list[Any]], Any]
+    ) -> None:
+        """Adds the run-time parameters, by default the present ones, to the arguments of a rollout."""
+        if self.parameters.parameters:
+            given["parameters"] = self.parameters.flat(parameters, asarray, concatenate)
+        elif parameters is not None:
+            raise TypeError(
+                "`rollout`: the robot has no run-time parameters: load it with `runtime_gravity=True`, `runtime_inertia=[...]` or "
+                "`payload=[...]`, or leave `parameters` out"
+            )
+
     def add_cost(self, given: dict[str, Any], cost: QuadraticCost, asarray: Callable[[str, Any], Any], library: Any) -> None:
         """Adds the arguments of a cost to those of a rollout. `library` has `zeros`, `broadcast_to` and `concatenate`."""
         if not isinstance(cost, QuadraticCost):
@@ -516,12 +528,16 @@ class Signature:
 
     def described(self, asarray: Callable[[Any], Any]) -> dict[str, Any]:
         """Returns the present run-time parameters: `gravity` (3,), and by link `inertia` and `payload` (10,)."""
+        return self.by_link([asarray(own.numbers) for own in self.parameters])
+
+    def by_link(self, arrays: Sequence[Any]) -> dict[str, Any]:
+        """Returns the arrays of the run-time parameters by their options, and by their links."""
         found: dict[str, Any] = {}
-        for option, link, numbers in self.parameters:
+        for (option, link, _), array in zip(self.parameters, arrays):
             if link is None:
-                found[option] = asarray(numbers)
+                found[option] = array
             else:
-                found.setdefault(option, {})[link] = asarray(numbers)
+                found.setdefault(option, {})[link] = array
         return found
 
 

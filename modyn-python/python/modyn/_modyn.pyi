@@ -442,13 +442,14 @@ class Robot:
         settings: StepSettings | ArrayLike | None = None,
         *,
         ground: HeightField | None = None,
+        parameters: Mapping[str, Any] | None = None,
     ) -> StepSolution:
         """Returns the results of each of `steps` calls of `step` under the joint forces `policy(time, q, qd)`, which gets the
         time (s) and the state before each step. `modyn.show` shows the motion. A rollout without a call of Python in each
         step is `rollout`.
 
         Arguments: `policy`: a function that returns tau: (nv,); `q`: (nq,); `qd`: (nv,); `dt`: (); `steps`: the number of
-        steps; `settings` and `ground` as in `rollout`. Leading axes of `q` and `qd` are axes of motions, which `policy` gets,
+        steps; `settings`, `ground` and `parameters` as in `rollout`. Leading axes of `q` and `qd` are axes of motions, which `policy` gets,
         too.
         Result: `StepSolution`, with an axis of steps after the axes of motions.
         """
@@ -469,6 +470,7 @@ class Robot:
         act: ArrayLike | None = None,
         applied: ArrayLike | None = None,
         ground: HeightField | None = None,
+        parameters: Mapping[str, Any] | None = None,
         trajectory: bool = True,
     ) -> RolloutStates | RolloutCosts | StepSolution | ActuatedStep:
         """Returns the states of motions of many time steps in one call: after each step, (..., steps, n), or after the last
@@ -485,7 +487,9 @@ class Robot:
         one step stands for all of them. With `step="actuated"`, the function `step_actuated`, `controls` has a control for each
         actuator, (steps, controls), and further arguments are `act`: the activations before the first step, by default zeros;
         and `applied`: (nv,), joint forces of all steps, by default zeros; there is no feedback. With `cost`, a
-        `QuadraticCost`, each step adds the cost of its forces and of the state after it. Leading axes count motions, and are broadcast.
+        `QuadraticCost`, each step adds the cost of its forces and of the state after it. `parameters`: the run-time parameters, by
+        default those of the robot: `gravity` (3,), and by link `inertia` and `payload` (10,), as in `{"payload": {"hand": numbers}}`.
+        Leading axes count motions, and are broadcast.
         Result: `RolloutStates`: `q` and `qd`; with a cost `RolloutCosts`; of `step` `StepSolution` and of `actuated`
         `ActuatedStep`, with the largest `residual` and `iterations` of all steps with `trajectory=False`.
         """
@@ -509,6 +513,7 @@ class Robot:
         act: ArrayLike | None = None,
         applied: ArrayLike | None = None,
         ground: HeightField | None = None,
+        parameters: Mapping[str, Any] | None = None,
         trajectory: bool = True,
     ) -> RolloutGradients:
         """Returns the gradients of the weighted states of motions, which `rollout` returns, with respect to its arguments, for
@@ -1003,6 +1008,19 @@ class Robot:
         Result: `StepJvp`: `q` (nq,), `qd` (nv,), `qdd` (nv,), `forces` (touching points, 3),
         `tangent_x` (2 nv,), `residual` a number, `iterations` a number. Several states have one
         more axis, the first.
+        """
+    def touching_points(
+        self, q: ArrayLike, qd: ArrayLike, settings: StepSettings | ArrayLike | None = None, *, out: TouchingPoints | None = None
+    ) -> TouchingPoints:
+        """Returns the points of the shapes that can touch the ground, in the order of the `forces` of
+        `step`: the heights `gaps` above the ground (m; negative in it), the `positions` in the
+        middle between the shape and the ground (m, world axes), and the `velocities` of the link
+        there, along the x and y axes of the plane, then along its normal (m/s).
+
+        Arguments: `q`: (nq,); `qd`: (nv,); `settings`: `StepSettings`, by default the result of
+        `step_settings()`.
+        Result: `TouchingPoints`: `gaps` (touching points,), `positions` (touching points, 3),
+        `velocities` (touching points, 3). Several states have one more axis, the first.
         """
     def actuate(
         self, q: ArrayLike, qd: ArrayLike, ctrl: ArrayLike, dt: ArrayLike, act: ArrayLike | None = None, *, out: ActuatorForces | None = None

@@ -44,6 +44,7 @@ __all__ = [
     "StepJvp",
     "StepSolution",
     "StepVjp",
+    "TouchingPoints",
 ]
 
 
@@ -576,4 +577,15 @@ class StepVjp(NamedTuple):
     """a number"""
     iterations: NDArray[Any]
     """a number"""
+
+
+class TouchingPoints(NamedTuple):
+    """The result of `touching_points`."""
+
+    gaps: NDArray[Any]
+    """(touching points,)"""
+    positions: NDArray[Any]
+    """(touching points, 3)"""
+    velocities: NDArray[Any]
+    """(touching points, 3)"""
 # <!-- end -->

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
+from collections.abc import Callable, Mapping
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -34,27 +34,33 @@ def _concatenate(arrays: list[Any]) -> Any:
     return np.concatenate([np.broadcast_to(array, (*lead, array.shape[-1])) for array in arrays], -1)
 
 
+class More(NamedTuple):
+    """The arguments of a rollout that are more than one array."""
+
+    cost: QuadraticCost | None
+    ground: HeightField | None
+    parameters: Mapping[str, Any] | None
+
+
 def _given(
     robot: Robot,
     name: str,
     arguments: dict[str, Any],
     step: str,
     trajectory: bool,
-    cost: QuadraticCost | None,
-    ground: HeightField | None,
+    more: More,
 ) -> tuple[list[Any], Rollout]:
     """Returns the arguments as arrays in the order of the step, and the rollout."""
     array = lambda argument, x: _array(robot, name, argument, x)
     signature = RolloutSignature.of(robot, step)
     arrays = {argument: array(argument, given) for argument, given in arguments.items()}
     signature.start(arrays, np.asarray)
-    if cost is not None:
-        signature.add_cost(arrays, cost, array, np)
+    if more.cost is not None:
+        signature.add_cost(arrays, more.cost, array, np)
         arrays["state_weights"] = np.ascontiguousarray(arrays["state_weights"])
-    if ground is not None:
-        signature.add_ground(arrays, ground, array, _concatenate)
-    if signature.parameters.parameters:
-        arrays["parameters"] = signature.parameters.flat(None, np.asarray, np.concatenate)
+    if more.ground is not None:
+        signature.add_ground(arrays, more.ground, array, _concatenate)
+    signature.add_parameters(arrays, more.parameters, lambda x: array("parameters", x), _concatenate)
     found, own = signature.arrays(arrays)
     return found, signature.code(trajectory, *own)
 
@@ -76,6 +82,7 @@ def rollout(
     act: ArrayLike | None = None,
     applied: ArrayLike | None = None,
     ground: HeightField | None = None,
+    parameters: Mapping[str, Any] | None = None,
     trajectory: bool = True,
 ) -> RolloutStates | RolloutCosts | StepSolution | ActuatedStep:
     """Returns the states of motions of many time steps in one call: after each step, (..., steps, n), or after the last
@@ -92,13 +99,14 @@ def rollout(
     one step stands for all of them. With `step="actuated"`, the function `step_actuated`, `controls` has a control for each
     actuator, (steps, controls), and further arguments are `act`: the activations before the first step, by default zeros;
     and `applied`: (nv,), joint forces of all steps, by default zeros; there is no feedback. With `cost`, a
-    `QuadraticCost`, each step adds the cost of its forces and of the state after it. Leading axes count motions, and are broadcast.
+    `QuadraticCost`, each step adds the cost of its forces and of the state after it. `parameters`: the run-time parameters, by
+    default those of the robot: `gravity` (3,), and by link `inertia` and `payload` (10,), as in `{"payload": {"hand": numbers}}`. Leading axes count motions, and are broadcast.
     Result: `RolloutStates`: `q` and `qd`; with a cost `RolloutCosts`; of `step` `StepSolution` and of `actuated`
     `ActuatedStep`, with the largest `residual` and `iterations` of all steps with `trajectory=False`.
     """
     state = {"q": q, "qd": qd, "controls": controls, "dt": dt, "act": act, "applied": applied}
     arguments = {**state, "settings": settings, "warm_start": warm_start, "gains": gains, "q_ref": q_ref, "qd_ref": qd_ref}
-    arrays, code = _given(self, "rollout", arguments, step, trajectory, cost, ground)
+    arrays, code = _given(self, "rollout", arguments, step, trajectory, More(cost, ground, parameters))
     return motions(code.handle.call(arrays))
 
 
@@ -122,6 +130,7 @@ def rollout_vjp(
     act: ArrayLike | None = None,
     applied: ArrayLike | None = None,
     ground: HeightField | None = None,
+    parameters: Mapping[str, Any] | None = None,
     trajectory: bool = True,
 ) -> RolloutGradients:
     """Returns the gradients of the weighted states of motions, which `rollout` returns, with respect to its arguments, for
@@ -135,7 +144,7 @@ def rollout_vjp(
     state = {"q": q, "qd": qd, "controls": controls, "dt": dt, "act": act, "applied": applied}
     arguments = {**state, "settings": settings, "warm_start": warm_start, "gains": gains, "q_ref": q_ref, "qd_ref": qd_ref}
     weights: tuple[Any, ...] = (q_cotangent, qd_cotangent, cost_cotangent)
-    arrays, code = _given(self, "rollout_vjp", arguments, step, trajectory, cost, ground)
+    arrays, code = _given(self, "rollout_vjp", arguments, step, trajectory, More(cost, ground, parameters))
     if cost is None and weights[2] is not None:
         raise TypeError("`cost_cotangent` of `rollout_vjp` needs a `cost`")
     solves = code.step.start is not None
@@ -143,6 +152,7 @@ def rollout_vjp(
     names = ["q", "qd", *own, "controls", "dt", *(name for name in OWN if name in RolloutSignature.of(self, step).shapes)]
     names += [name for name in FEEDBACK if arguments[name] is not None]
     names += COST if cost is not None else ()
+    names += ["parameters"] if parameters is not None else ()
     wanted = [k for k, name in enumerate(names) if name not in own and k != code.step.start]
     gradient = code.gradient(wanted)
     weights = (*weights[:2], *[None] * (len(code.outputs) - 2)) if solves else weights
@@ -162,6 +172,10 @@ def rollout_vjp(
     for name in (*FEEDBACK, *COST):
         if name in found and _steps(given[name], name) == 1:
             found[name] = np.expand_dims(found[name], -1 - _rank(name))
+    if parameters is not None:
+        of_robot = RolloutSignature.of(self, step).parameters
+        ends = np.cumsum([own.numbers.size for own in of_robot.parameters])
+        found["parameters"] = of_robot.by_link(np.split(found["parameters"], ends[:-1], -1))
     if cost is not None:
         of_cost = {name: found.pop(name, None) for name in QuadraticCost._fields}
         found["cost"] = QuadraticCost(**{name: None if given[name] is None else x for name, x in of_cost.items()})
@@ -188,13 +202,14 @@ def simulate(
     settings: StepSettings | ArrayLike | None = None,
     *,
     ground: HeightField | None = None,
+    parameters: Mapping[str, Any] | None = None,
 ) -> StepSolution:
     """Returns the results of each of `steps` calls of `step` under the joint forces `policy(time, q, qd)`, which gets the
     time (s) and the state before each step. `modyn.show` shows the motion. A rollout without a call of Python in each
     step is `rollout`.
 
     Arguments: `policy`: a function that returns tau: (nv,); `q`: (nq,); `qd`: (nv,); `dt`: (); `steps`: the number of
-    steps; `settings` and `ground` as in `rollout`. Leading axes of `q` and `qd` are axes of motions, which `policy` gets,
+    steps; `settings`, `ground` and `parameters` as in `rollout`. Leading axes of `q` and `qd` are axes of motions, which `policy` gets,
     too.
     Result: `StepSolution`, with an axis of steps after the axes of motions.
     """
@@ -210,15 +225,16 @@ def simulate(
     if ground is not None:
         signature.add_ground(given, ground, lambda name, x: _array(self, "simulate", name, x), _concatenate)
     field, of_ground = signature.ground(given)
+    signature.add_parameters(given, parameters, lambda x: _array(self, "simulate", "parameters", x), _concatenate)
     step, of_robot = signature.one_step(Extras(field=field)), signature.parameters
-    parameters = [of_robot.flat(None, np.asarray, np.concatenate)] if of_robot.parameters else []
+    own = [given["parameters"]] if of_robot.parameters else []
     q, qd, qdd = given["q"], given["qd"], given["warm_start"]
     results: list[StepSolution] = []
     for k in range(steps):
         tau = _array(self, "simulate", "policy(time, q, qd)", policy(k * float(given["dt"]), q, qd))
         of_step = [q, qd, tau, given["dt"], qdd, given["settings"]]
         of_robot.check(of_step)
-        results.append(StepSolution(*step.handle.call([*of_step, *parameters, *of_ground])))
+        results.append(StepSolution(*step.handle.call([*of_step, *own, *of_ground])))
         q, qd, qdd = results[-1][:3]
     return StepSolution(*(np.stack(parts, q.ndim - 1) for parts in zip(*results)))
 

@@ -305,6 +305,8 @@ class RolloutGradients(NamedTuple):
     act: NDArray[Any] | None = None
     """with respect to the first activations; `None` unless the step is `actuated`, as of `applied`"""
     applied: NDArray[Any] | None = None
+    parameters: dict[str, Any] | None = None
+    """with the entries of the argument; `None` without it"""
 
 
 @cache

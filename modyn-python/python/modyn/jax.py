@@ -104,11 +104,7 @@ def rollout(
             signature.add_cost(given, cost, lambda name, x: _array(x, dtype, name, "rollout"), jnp)
         if ground is not None:
             signature.add_ground(given, ground, lambda name, x: _array(x, dtype, name, "rollout"), _concatenate)
-        if signature.parameters.parameters:
-            asarray = lambda x: _array(x, dtype, "parameters", "rollout")
-            given["parameters"] = signature.parameters.flat(parameters, asarray, _concatenate)
-        elif parameters is not None:
-            raise TypeError("`rollout`: the robot has no run-time parameters")
+        signature.add_parameters(given, parameters, lambda x: _array(x, dtype, "parameters", "rollout"), _concatenate)
         arrays, own = signature.arrays(given)
         return motions(_rollout.bind(*arrays, code=signature.code(trajectory, *own)))
 

@@ -135,11 +135,7 @@ def rollout(
                 signature.add_cost(given, cost, lambda name, x: _tensor(x, dtype, name, "rollout", device), torch)
         if ground is not None:
             signature.add_ground(given, ground, lambda name, x: on_device(name, x, device), _concatenate)
-        if signature.parameters.parameters:
-            asarray = lambda x: constant(x, device) if isinstance(x, np.ndarray) else _tensor(x, dtype, "parameters", "rollout", device)
-            given["parameters"] = signature.parameters.flat(parameters, asarray, _concatenate)
-        elif parameters is not None:
-            raise TypeError("`rollout`: the robot has no run-time parameters")
+        signature.add_parameters(given, parameters, lambda x: on_device("parameters", x, device), _concatenate)
         tensors, own = signature.arrays(given)
         return motions(_called(numbered(own), tensors))
 

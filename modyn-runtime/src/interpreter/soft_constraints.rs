@@ -4,6 +4,7 @@ use alloc::{vec, vec::Vec};
 
 use super::errors::{ShapeError, check};
 use super::{Interpreter, UduFactorization};
+use crate::equations::State;
 use crate::equations::actuation::{ActuationWorkspace, ActuatorInput, depends_on_rate, moments};
 use crate::equations::dynamics::Elimination;
 use crate::equations::soft_constraints::{
@@ -388,21 +389,21 @@ impl<S: Scalar> Interpreter<S> {
     }
 
     /// Returns the points of the shapes that can touch the ground, in the order of the forces of a
-    /// step, at the coordinates `q`. Allocates memory at each call.
+    /// step. Allocates memory at each call.
     ///
     /// # Errors
     ///
     /// If a slice does not have the model's length.
     pub fn touching_points(
         &mut self,
-        q: &[S],
+        state: State<'_, S>,
         settings: &StepSettings<S, impl AsRef<[ContactSurface<S>]>>,
     ) -> Result<Vec<TouchingPoint<S>>, ShapeError> {
+        self.check_state(state)?;
         let Self { model, soft, mechanism, workspace, .. } = self;
         let soft = soft.get_or_insert_with(|| SoftModel::of(model).map(S::from_f64));
-        check("q", q, model.nq())?;
         check("step_settings.surfaces", settings.surfaces.as_ref(), soft.contacts.len())?;
-        Ok(touching_points(mechanism, soft, settings, q, workspace))
+        Ok(touching_points(mechanism, soft, settings, state, workspace))
     }
 
     /// Replaces what the robot's soft constraints have beside the settings of a step.

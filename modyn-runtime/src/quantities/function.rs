@@ -182,6 +182,11 @@ pub enum Function {
     /// entries of q (in tangent space), then the entries of qd. At kinks it is as in
     /// `step_derivatives`.
     StepJvp,
+    /// Returns the points of the shapes that can touch the ground, in the order of the `forces` of
+    /// `step`: the heights `gaps` above the ground (m; negative in it), the `positions` in the
+    /// middle between the shape and the ground (m, world axes), and the `velocities` of the link
+    /// there, along the x and y axes of the plane, then along its normal (m/s).
+    TouchingPoints,
     /// Returns the joint forces `tau` of the actuators under the controls `ctrl`, in the order of
     /// `CONTROL_NAMES`, and the activations after the time `dt` (s), in the order of
     /// `ACTIVATION_NAMES`. The laws are MuJoCo's: controls, forces, activations and joint forces
@@ -351,6 +356,8 @@ pub enum Function {
     ConstrainedKnotBatch,
     /// `impact_dynamics` of many states at a time.
     ImpactDynamicsBatch,
+    /// `touching_points` of many states at a time.
+    TouchingPointsBatch,
     /// `actuate` of many states at a time.
     ActuateBatch,
     /// `constrained_inverse_dynamics` of many states at a time.

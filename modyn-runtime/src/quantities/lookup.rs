@@ -137,12 +137,14 @@ impl Function {
         matches!(self.row().arguments, [Argument { kind: ArgumentKind::RandomNumbers, .. }])
     }
 
-    /// Returns whether a robot of these sizes can have the function: whether it has the constraints
-    /// or the actuators that the function needs.
+    /// Returns whether a robot of these sizes can have the function: whether it has the constraints,
+    /// the actuators or the shapes that touch the ground that the function needs.
     #[must_use]
     pub const fn fits(self, sizes: &Sizes) -> bool {
         let row = self.row();
-        (!row.of_constraints || sizes.constraints > 0) && (!row.of_actuators || sizes.controls > 0)
+        (!row.of_constraints || sizes.constraints > 0)
+            && (!row.of_actuators || sizes.controls > 0)
+            && (!row.of_touching_shapes || sizes.touching_shapes > 0)
     }
 
     /// Returns the name of the result; for a function of many states, the name of one state's

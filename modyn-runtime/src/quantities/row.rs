@@ -30,6 +30,8 @@ pub struct Row {
     pub of_constraints: bool,
     /// Whether only robots with actuators have the function.
     pub of_actuators: bool,
+    /// Whether only robots with shapes that touch the ground have the function.
+    pub of_touching_shapes: bool,
     /// Whether the function depends on run-time parameters of the robot (gravity, inertias,
     /// payloads).
     pub depends_on_parameters: bool,
@@ -67,6 +69,7 @@ impl Row {
         default: false,
         of_constraints: false,
         of_actuators: false,
+        of_touching_shapes: false,
         depends_on_parameters: false,
         has_solver: false,
         derivatives_of: None,
@@ -84,10 +87,11 @@ impl Row {
     /// The fields that rows of functions with inertia and constraints share.
     pub(super) const CONSTRAINED: Self = Self { of_constraints: true, ..Self::INERTIAL };
 
-    /// Returns whether all robots have the function, also without constraints and actuators.
+    /// Returns whether all robots have the function, also without constraints, actuators and shapes
+    /// that touch the ground.
     #[must_use]
     pub const fn is_general(&self) -> bool {
-        !self.of_constraints && !self.of_actuators
+        !self.of_constraints && !self.of_actuators && !self.of_touching_shapes
     }
 
     /// Returns the row of the same function for many states.

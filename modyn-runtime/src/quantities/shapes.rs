@@ -232,12 +232,12 @@ fn solved(name: &'static str, state: &[Field], further: &[Field]) -> Shape {
 
 fn solved_state(s: &Sizes) -> Vec<Field> {
     let motion = [("q", coordinates(s)), ("qd", velocities(s)), ("qdd", velocities(s))];
-    [&motion[..], &[("forces", point_forces(s))]].concat()
+    [&motion[..], &[("forces", point_vectors(s))]].concat()
 }
 
 fn solved_actuated_state(s: &Sizes) -> Vec<Field> {
     let motion = [("q", coordinates(s)), ("qd", velocities(s)), ("act", activations(s))];
-    [&motion[..], &[("qdd", velocities(s)), ("forces", point_forces(s))]].concat()
+    [&motion[..], &[("qdd", velocities(s)), ("forces", point_vectors(s))]].concat()
 }
 
 pub fn step_solution(s: &Sizes) -> Shape {
@@ -274,6 +274,12 @@ pub fn actuated_step_vjp(s: &Sizes) -> Shape {
 
 pub fn actuated_step_jvp(s: &Sizes) -> Shape {
     solved("ActuatedStepJvp", &solved_actuated_state(s), &[("tangent_x", actuated_state(s))])
+}
+
+pub fn touching_points(s: &Sizes) -> Shape {
+    let gaps = Shape::vector(s.touching_points);
+    let vectors = ["positions", "velocities"].map(|name| (name, point_vectors(s)));
+    named_fields("TouchingPoints", [&[("gaps", gaps)][..], &vectors].concat())
 }
 
 pub fn actuator_forces(s: &Sizes) -> Shape {
@@ -328,7 +334,7 @@ pub fn contact_vectors(s: &Sizes) -> Shape {
     Shape::vector3().array(s.contacts)
 }
 
-pub fn point_forces(s: &Sizes) -> Shape {
+pub fn point_vectors(s: &Sizes) -> Shape {
     Shape::vector3().array(s.touching_points)
 }
 

@@ -551,6 +551,22 @@ pub const ROWS: &[Row] = &[
         ..Row::INERTIAL
     },
     Row {
+        function: Function::TouchingPoints,
+        name: "touching_points",
+        known_as: &["contact distance", "foot clearance", "mjContact"],
+        arguments: &[Q, QD, STEP_SETTINGS],
+        result: shapes::touching_points,
+        result_name: Some("points"),
+        docs: "Returns the points of the shapes that can touch the ground, in the order of the \
+            `forces` of `step`: the heights `gaps` above the ground (m; negative in it), the \
+            `positions` in the middle between the shape and the ground (m, world axes), and the \
+            `velocities` of the link there, along the x and y axes of the plane, then along its \
+            normal (m/s).",
+        of_touching_shapes: true,
+        batch: Some(Function::TouchingPointsBatch),
+        ..Row::GEOMETRIC
+    },
+    Row {
         function: Function::Actuate,
         name: "actuate",
         known_as: &["mj_fwdActuation"],

@@ -19,6 +19,7 @@ use crate::results::{
     ImpactDynamics, IntegrateDerivatives, InverseDynamicsDerivatives, InverseDynamicsHessian,
     InverseDynamicsJvp, InverseDynamicsVjp, Knot, LinearizedActuatedStep, LinearizedStep,
     OperationalSpaceInertia, Step, StepDerivatives, StepHessian, StepJvp, StepSolution, StepVjp,
+    TouchingPoints,
 };
 use crate::spatial::{Momentum, Pose, Twist, Vector3, Wrench};
 use crate::step_settings::{ContactSurface, StepSettings};
@@ -1623,6 +1624,24 @@ pub trait Robot {
             warm_start,
             step_settings,
         )
+    }
+
+    /// Returns the points of the shapes that can touch the ground, in the order of the `forces` of
+    /// `step`: the heights `gaps` above the ground (m; negative in it), the `positions` in the
+    /// middle between the shape and the ground (m, world axes), and the `velocities` of the link
+    /// there, along the x and y axes of the plane, then along its normal (m/s).
+    #[doc(alias = "contact distance")]
+    #[doc(alias = "foot clearance")]
+    #[doc(alias = "mjContact")]
+    fn touching_points<T: Scalar>(
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        step_settings: &StepSettings<T, Self::PerTouchingShape<ContactSurface<T>>>,
+    ) -> TouchingPoints<Self::PerTouchingPoint<T>, Self::PerTouchingPoint<Vector3<T>>>
+    where
+        Self: functions::TouchingPoints,
+    {
+        const { not_generated() }
     }
 
     /// Returns the joint forces `tau` of the actuators under the controls `ctrl`, in the order of

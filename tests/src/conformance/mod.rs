@@ -103,6 +103,7 @@ pub fn large() -> Case {
         Function::ImpactDynamics,
         Function::ConstraintJacobian,
         Function::Step,
+        Function::TouchingPoints,
     ]);
     let feet = [
         contact("left", ContactKind::Point, "front_left_foot", [0.0, 0.01, -0.02]),

@@ -244,6 +244,13 @@ impl<S: Scalar> ContactRows<S> {
         components(at_place).into_iter().chain(turning).take(self.count())
     }
 
+    /// Returns the velocity of the body at the contact's place, along the x and y axes of the plane, then
+    /// along the normal.
+    pub(super) fn velocity(&self, of_body: &Twist<S>) -> [S; 3] {
+        let at_place = of_body.linear + of_body.angular.cross(self.place);
+        self.in_plane(&[0, 1, 2].map(|k| self.axes.column(k).dot(at_place)))
+    }
+
     /// Returns the wrench of the forces of the rows at the body's origin.
     pub(super) fn wrench(&self, forces: &[S]) -> Wrench<S> {
         let Wrench { moment, force } = self.wrench_at_place(forces);
@@ -268,9 +275,9 @@ impl<S: Scalar> ContactRows<S> {
         [self.wrench_at_place(&normal), self.wrench_at_place(&closing)]
     }
 
-    /// Returns the force along the x and y axes of the plane, then along the normal.
-    pub(super) fn in_plane(&self, forces: &[S]) -> [S; 3] {
-        let Vector3([normal, first, second]) = three(forces);
+    /// Returns a force or a velocity along the x and y axes of the plane, then along the normal.
+    pub(super) fn in_plane(&self, components: &[S]) -> [S; 3] {
+        let Vector3([normal, first, second]) = three(components);
         match self.along_tangent {
             None => [first, second, normal],
             Some([x, y]) => [x * first - y * second, y * first + x * second, normal],

@@ -168,6 +168,7 @@ fn compute<S: Scalar>(function: Function, call: Call<'_, S>) -> Result<(), LinkE
         F::StepDerivatives => call.step_derivatives()?,
         F::StepVjp => call.step_vjp()?,
         F::StepJvp => call.step_jvp()?,
+        F::TouchingPoints | F::TouchingPointsBatch => call.touching_points()?,
         F::Actuate | F::ActuateBatch => call.actuate()?,
         F::StepActuated => call.step_actuated()?,
         F::StepActuatedDerivatives => call.step_actuated_derivatives()?,

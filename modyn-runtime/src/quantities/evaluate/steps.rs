@@ -93,6 +93,19 @@ impl<S: Scalar> Call<'_, S> {
         robot.step_implicit_midpoint_derivatives(given.time_step(), StepOutputs { q, qd, a, b })
     }
 
+    pub(super) fn touching_points(self) -> Result<(), ShapeError> {
+        let Self { robot, given, out } = self;
+        let [gaps, positions, velocities] = out.parts();
+        let points = robot.touching_points(given.state(), &given.step_settings())?;
+        let vectors = positions.chunks_exact_mut(3).zip(velocities.chunks_exact_mut(3));
+        for ((point, gap), (position, velocity)) in points.iter().zip(gaps).zip(vectors) {
+            *gap = point.gap;
+            position.copy_from_slice(&point.place.0);
+            velocity.copy_from_slice(&point.velocity.0);
+        }
+        Ok(())
+    }
+
     pub(super) fn actuate(self) -> Result<(), ShapeError> {
         let Self { robot, given, out } = self;
         let [tau, act] = out.parts();
