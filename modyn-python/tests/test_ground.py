@@ -11,13 +11,13 @@ from conftest import ROBOTS, chain, close, states
 import modyn
 from modyn import ContactSurface, StepSettings
 
+CONTACTS = {"hand": ("point", "link2", [0.1, -0.2, 0.15]), "foot": ("point", "link4", [0, 0.2, 0.1])}
 FEET = ["front_left_foot", "front_right_foot", "hind_left_foot", "hind_right_foot"]
 
 
 def tree(**options):
     """Returns a random tree with a floating base, oblique contacts and joint limits."""
-    contacts = {"hand": ("point", "link2", [0.1, -0.2, 0.15]), "foot": ("point", "link4", [0, 0.2, 0.1])}
-    return modyn.loads(chain(7, joints=5), base="floating", contacts=contacts, **options)
+    return modyn.loads(chain(7, joints=5), base="floating", contacts=CONTACTS, **options)
 
 
 def surface(rng, height, **properties):
@@ -461,6 +461,48 @@ def test_wrong_arguments():
         robot.rollout(q, qd, controls, 0.001, step="step", cost=modyn.QuadraticCost(q[0], np.ones(2 * robot.nv)))
     with pytest.raises(ValueError, match="there is no time step `ground`; there are: .*step"):
         robot.rollout(q, qd, controls, 0.001, step="ground")
+
+
+def test_touching_points():
+    """Points on planes, on a ramp, and on hills below each of two feet, in NumPy and in JAX."""
+    jax = pytest.importorskip("jax")
+    import modyn.jax
+
+    jax.config.update("jax_enable_x64", True)
+    robot, q, qd, _, settings = scene(5)
+    points = robot.touching_points(q, qd, settings)
+    forces = robot.step(q, qd, np.zeros(robot.nv), 0.001, settings=settings).forces
+    assert points.gaps.shape == (5, 2) and ((points.gaps > 0.05) <= (forces == 0).all(-1)).all()
+    function = modyn.jax.function(robot, "touching_points")
+    for a, b in zip(function(q, qd, settings), points):
+        close(a, b, 1e-12)
+    # The rate of a gap is the velocity along the normal.
+    rates = modyn.jax.function(robot, "velocity_to_qdot")(q, qd)
+    gaps = lambda q: function(q, qd, settings).gaps
+    close(jax.jvp(gaps, (q,), (rates,))[1], points.velocities[..., 2], 1e-9)
+    field, plane = ramp()
+    on_plane = StepSettings([ContactSurface(**plane)] * 2)
+    found = function(q, qd, StepSettings([ContactSurface()] * 2), ground=field)
+    for a, b in zip(found, robot.touching_points(q, qd, on_plane)):
+        close(a, b, 1e-9)
+    ground = hills((5,))
+    found = jax.jit(lambda heights: function(q, qd, ground=modyn.HeightField(heights, ground.origin, ground.spacing)))(ground.heights)
+    level = robot.touching_points(q, qd, StepSettings([ContactSurface()] * 2))
+    assert (np.abs(found.gaps - level.gaps) < 0.05).all() and np.abs(found.gaps - level.gaps).max() > 1e-3
+    step = modyn.jax.function(robot, "step")
+    one = robot.rollout(q, qd, np.zeros((1, robot.nv)), 0.001, step="step", ground=ground)
+    close(step(q, qd, np.zeros(robot.nv), 0.001, ground=ground).q, one.q[:, 0], 1e-9)
+    with pytest.raises(ValueError, match="axes of states of the arguments of `touching_points` do not fit: .*ground.heights` \\(5,\\)"):
+        function(q[:3], qd[:3], ground=ground)
+    with pytest.raises(TypeError, match="`mass_matrix`: got an unexpected keyword argument 'ground'"):
+        modyn.jax.function(robot, "mass_matrix")(q, ground=ground)
+    with pytest.raises(ValueError, match="only robots with shapes that touch the ground .* have the function `touching_points`"):
+        modyn.loads(chain(7)).touching_points(np.zeros(3), np.zeros(3))
+    # As part of a fused function.
+    fused = modyn.loads(chain(7, joints=5), base="floating", contacts=CONTACTS, fused={"feet": ["difference", "touching_points"]})
+    together = modyn.jax.function(fused, "feet")
+    found = together(q, qd, from_=q, to=q[::-1], ground=ground)
+    close(found.touching_points.gaps, function(q, qd, ground=ground).gaps, 1e-9)
 
 
 def test_grounds_in_jax():

@@ -4,7 +4,7 @@
 use modyn_runtime::equations::soft_constraints::{SoftModel, StepInput, TouchingPoint};
 use modyn_runtime::equations::{Motion, State, TimeStepInput};
 use modyn_runtime::joint::JointType;
-use modyn_runtime::model::Model;
+use modyn_runtime::model::{ContactShape, Model};
 use modyn_runtime::spatial::{Matrix3, Momentum, Vector3};
 use modyn_runtime::{ContactSurface, Interpreter, StepSettings, StepSolutionOutputs};
 use serde_json::Value;
@@ -138,8 +138,6 @@ fn momentum_changes_by_forces_from_outside() {
     assert!(pushing > 100 && turning > 10, "{pushing} {turning}");
 }
 
-/// A ground almost without friction hardly pushes along itself: in a motion over it only gravity changes
-/// the momentum along it, up to the error of the steps. Friction changes the momentum.
 /// The velocity of a point is the velocity of its link there, and its part along the normal is the rate of
 /// the gap.
 #[test]
@@ -172,13 +170,18 @@ fn velocities_of_touching_points() {
                 for (found, expected) in point.velocity.0.iter().zip(expected.0) {
                     assert!((found - expected).abs() < 1e-12 * size, "{found} {expected}");
                 }
-                let rate = (later.gap - before.gap) / 2e-6;
-                assert!((rate - point.velocity.0[2]).abs() < 1e-6 * size, "{rate} {point:?}");
+                // The points of a cylinder move along its disks.
+                if !matches!(shapes[point.shape].shape, ContactShape::Cylinder(_)) {
+                    let rate = (later.gap - before.gap) / 2e-6;
+                    assert!((rate - point.velocity.0[2]).abs() < 1e-6 * size, "{rate} {point:?}");
+                }
             }
         }
     }
 }
 
+/// A ground almost without friction hardly pushes along itself: in a motion over it only gravity changes
+/// the momentum along it, up to the error of the steps. Friction changes the momentum.
 #[test]
 fn slippery_ground_keeps_the_momentum_along_it() {
     let [mut largest, mut pushed] = [0.0_f64; 2];

@@ -102,6 +102,7 @@ class ArrayFunction(Code):
         if extras.field is not None and not derivatives:
             self.heights = len(self.inputs) - 2
         self._derived: dict[tuple[str, tuple[int, ...]], ArrayFunction] = {}
+        self._fields: dict[tuple[int, int], ArrayFunction] = {}
         self._rollouts: dict[tuple[int, bool, tuple[int, ...]], Rollout] = {}
 
     def cuda_text(self) -> str:
@@ -114,11 +115,12 @@ class ArrayFunction(Code):
 
         `call` calls a function of arrays. `library` has `concatenate` and `zeros_like`.
         """
-        heights, settings = (self.base or self).heights, Signature.of(self.robot, self.name).names.index("settings")
-        assert heights is not None and self.extras.field is not None
+        heights, signature = (self.base or self).heights, Signature.of(self.robot, self.name, self.link)
+        q, settings = signature.names.index("q"), signature.settings
+        assert heights is not None and settings is not None and self.extras.field is not None
         field = FieldKernels.of(self.robot, self.extras.field)
         own, ground, others = list(arrays[:heights]), arrays[heights : heights + 2], list(arrays[heights + 2 :])
-        [poses] = call(field.poses, [own[0]])
+        [poses] = call(field.poses, [own[q]])
         [own[settings]] = call(field.planes, [poses, own[settings], *ground])
         step = ArrayFunction(self.robot, self.name, self.link, self.derivatives, self.extras._replace(field=None))
         if settings not in self.variables:
@@ -130,6 +132,14 @@ class ArrayFunction(Code):
             others[at] = hold(others[at])
             return list(call(step, [*own, *others]))
         return [hold(x) if k % count == at else x for k, x in enumerate(call(step, [*own, *others]))]
+
+    def on_field(self, field: tuple[int, int]) -> ArrayFunction:
+        """Returns the function on a height field of these rows and columns."""
+        found = self._fields.get(field)
+        if found is None:
+            extras = self.extras._replace(field=field)
+            found = self._fields[field] = ArrayFunction(self.robot, self.name, self.link, self.derivatives, extras)
+        return found
 
     def rollout(self, steps: int, trajectory: bool, sequences: tuple[int, ...]) -> Rollout:
         """Returns the rollout of this number of steps; `sequences` are the arguments with numbers for each step."""
@@ -328,14 +338,7 @@ class RolloutSignature:
         """Adds the heights and the grid of a ground to the arguments of a rollout."""
         if not self.solves:
             raise TypeError(f"`ground` is an argument of rollouts with {SOLVING}")
-        if not isinstance(ground, HeightField):
-            raise TypeError(f"`ground` must be a `modyn.HeightField`, not {type(ground).__name__}")
-        given["heights"] = heights = asarray("ground.heights", ground.heights)
-        if heights.ndim < 2:
-            raise ValueError(f"`heights` of `HeightField` has the shape {tuple(heights.shape)}; expected (rows, columns)")
-        pairs = [asarray(f"ground.{name}", getattr(ground, name)) for name in ("origin", "spacing")]
-        check("rollout", ["ground.origin", "ground.spacing"], [(2,), (2,)], pairs)
-        given["grid"] = concatenate(pairs)
+        given["heights"], given["grid"] = ground_arrays("rollout", ground, asarray, concatenate)
 
     def add_parameters(
         self, given: dict[str, Any], parameters: Any, asarray: Callable[[Any], Any], concatenate: Callable[[list[Any]], Any]
@@ -458,7 +461,10 @@ class Signature:
     def __init__(self, robot: Robot, name: str, link: str | int | None) -> None:
         arguments, parameters, self.result = robot._array_signature(name, link)
         self.name = name
-        self.names = [name for name, _, _ in arguments]
+        names = [name for name, _, _ in arguments]
+        self.settings = names.index("step_settings") if "step_settings" in names else None
+        """the index of the settings of a step, whose planes a ground sets; `None` for functions without it"""
+        self.names = ["settings" if name == "step_settings" and "settings" not in names else name for name in names]
         self.shapes: list[Shape] = [tuple(shape) for _, shape, _ in arguments]
         self.defaults = [default for _, _, default in arguments]
         self.parameters = [Parameter(option, link, np.array(numbers, robot.dtype)) for option, link, numbers in parameters]
@@ -484,6 +490,8 @@ class Signature:
         own = [inspect.Parameter(name, kind, default=empty if k < needed else None) for k, name in enumerate(self.names)]
         if self.parameters:
             own.append(inspect.Parameter("parameters", inspect.Parameter.KEYWORD_ONLY, default=None))
+        if self.settings is not None:
+            own.append(inspect.Parameter("ground", inspect.Parameter.KEYWORD_ONLY, default=None))
         return inspect.Signature(own)
 
     def bind(self, given: tuple[Any, ...], named: dict[str, Any], defaults: Sequence[Any]) -> tuple[list[Any], Any]:
@@ -504,9 +512,14 @@ class Signature:
             raise TypeError(f"`{self.name}`: missing a required argument: '{missing}'")
         return arrays, parameters
 
-    def check(self, arrays: Sequence[Any]) -> None:
+    def ground(self, named: dict[str, Any]) -> HeightField | None:
+        """Takes the ground from the arguments by keyword, if the function can have one."""
+        return None if self.settings is None else named.pop("ground", None)
+
+    def check(self, arrays: Sequence[Any], ground: Sequence[Any] = ()) -> None:
         """Checks the shapes of arguments, whose leading axes are those of states and are broadcast."""
-        check(self.name, self.names, self.shapes, arrays)
+        of_ground = [tuple(ground[0].shape[-2:]), (4,)] if ground else []
+        check(self.name, [*self.names, *GROUND[: len(ground)]], [*self.shapes, *of_ground], [*arrays, *ground])
 
     def flat(self, parameters: Any, asarray: Callable[[Any], Any], concatenate: Callable[[list[Any]], Any]) -> Any:
         """Returns the numbers of run-time parameters, as `parameters` of the module returns them, in one array (..., n)."""
@@ -539,6 +552,20 @@ class Signature:
             else:
                 found.setdefault(option, {})[link] = array
         return found
+
+
+def ground_arrays(
+    function: str, ground: HeightField, asarray: Callable[[str, Any], Any], concatenate: Callable[[list[Any]], Any]
+) -> list[Any]:
+    """Returns the heights and the grid of a ground as arrays: the last arguments of a function on a height field."""
+    if not isinstance(ground, HeightField):
+        raise TypeError(f"`ground` must be a `modyn.HeightField`, not {type(ground).__name__}")
+    heights = asarray("ground.heights", ground.heights)
+    if heights.ndim < 2:
+        raise ValueError(f"`heights` of `HeightField` has the shape {tuple(heights.shape)}; expected (rows, columns)")
+    pairs = [asarray(f"ground.{name}", getattr(ground, name)) for name in ("origin", "spacing")]
+    check(function, ["ground.origin", "ground.spacing"], [(2,), (2,)], pairs)
+    return [heights, concatenate(pairs)]
 
 
 def check(function: str, names: Sequence[str], shapes: Sequence[Shape], arrays: Sequence[Any]) -> None:

@@ -33,7 +33,7 @@ from jax.extend.core import Primitive
 from jax.interpreters import ad, batching, mlir
 
 from . import _cuda, _modyn
-from ._arrays import ArrayFunction, Rollout, RolloutGradient, RolloutSignature, Signature, documented, motions
+from ._arrays import ArrayFunction, Rollout, RolloutGradient, RolloutSignature, Signature, documented, ground_arrays, motions
 from ._modyn import Robot
 from ._results import ActuatedStep, StepSolution
 from ._types import ConstraintSettings, HeightField, QuadraticCost, RolloutCosts, RolloutStates, StepSettings, of_fields
@@ -47,7 +47,8 @@ def function(robot: Robot, name: str, link: str | int | None = None) -> Callable
     Its arguments and results are those of the method of `Robot`; the link of a function of one link is given here. Leading axes
     are those of states, and are broadcast. Functions that depend on run-time parameters (the options `runtime_gravity`,
     `runtime_inertia` and `payload`) have the keyword argument `parameters`, which can be differentiated: what the function
-    `parameters` of this module returns, by default with the numbers that the robot has now.
+    `parameters` of this module returns, by default with the numbers that the robot has now. Functions with the settings of a step have
+    the keyword argument `ground`, a `HeightField` that sets the planes of the surfaces.
     """
     signature = Signature(robot, name, link)
     code = ArrayFunction(robot, name, link)
@@ -55,12 +56,17 @@ def function(robot: Robot, name: str, link: str | int | None = None) -> Callable
     dtype = np.dtype(robot.dtype)
 
     def call(*given: Any, **named: Any) -> Any:
+        ground = signature.ground(named)
         arrays, own = signature.bind(given, named, signature.defaults)
         arrays = [_array(array, dtype, argument, name) for argument, array in zip(signature.names, arrays)]
-        signature.check(arrays)
+        of_ground = []
+        if ground is not None:
+            of_ground = ground_arrays(name, ground, lambda argument, x: _array(x, dtype, argument, name), _concatenate)
+        signature.check(arrays, of_ground)
         if signature.parameters:
             arrays.append(signature.flat(own, lambda x: _array(x, dtype, "parameters", name), _concatenate))
-        return jax.tree.unflatten(structure, _call.bind(*arrays, code=code))
+        called = code.on_field(of_ground[0].shape[-2:]) if of_ground else code
+        return jax.tree.unflatten(structure, _call.bind(*arrays, *of_ground, code=called))
 
     return documented(call, signature, "JAX")
 

@@ -33,6 +33,7 @@ from ._arrays import (
     RolloutSignature,
     Signature,
     documented,
+    ground_arrays,
     motions,
 )
 from ._modyn import Robot
@@ -48,24 +49,35 @@ def function(robot: Robot, name: str, link: str | int | None = None) -> Callable
     Its arguments and results are those of the method of `Robot`; the link of a function of one link is given here. Leading axes
     are those of states, and are broadcast. Functions that depend on run-time parameters (the options `runtime_gravity`,
     `runtime_inertia` and `payload`) have the keyword argument `parameters`, which can be differentiated: what the function
-    `parameters` of this module returns, by default with the numbers that the robot has now.
+    `parameters` of this module returns, by default with the numbers that the robot has now. Functions with the settings of a step have
+    the keyword argument `ground`, a `HeightField` that sets the planes of the surfaces.
     """
     signature = Signature(robot, name, link)
-    number = _numbered(ArrayFunction(robot, name, link))
+    code = ArrayFunction(robot, name, link)
+    number = _numbered(code)
     dtype = _dtype(robot)
     constants = _Constants(signature)
 
+    @torch.compiler.assume_constant_result
+    def numbered_on(field: tuple[int, int]) -> int:
+        return _numbered(code.on_field(field))
+
     def call(*given: Any, **named: Any) -> Any:
-        device = _device((*given, *named.values()))
+        ground = signature.ground(named)
+        device = _device((*given, *named.values(), getattr(ground, "heights", None)))
         own, of_robot = signature.bind(given, named, constants.defaults(device))
         tensors = [_tensor(x, dtype, argument, name, device) for argument, x in zip(signature.names, own)]
-        signature.check(tensors)
+        of_ground = []
+        if ground is not None:
+            of_ground = ground_arrays(name, ground, lambda argument, x: _tensor(x, dtype, argument, name, device), _concatenate)
+        signature.check(tensors, of_ground)
         if _is_cuda(device):
             _check_rows(signature, tensors)
         if signature.parameters:
             flat = lambda: signature.flat(of_robot, lambda x: _tensor(x, dtype, "parameters", name, device), _concatenate)
             tensors.append(constants.present(device) if of_robot is None else flat())
-        return _rebuilt(signature.result, _called(number, tensors))
+        called = numbered_on(tuple(of_ground[0].shape[-2:])) if of_ground else number
+        return _rebuilt(signature.result, _called(called, [*tensors, *of_ground]))
 
     return documented(call, signature, "PyTorch")
 

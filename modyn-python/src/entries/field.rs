@@ -6,7 +6,7 @@
 use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 
-use modyn_codegen::plan::{ArgumentKind, Derivative, DerivativeMode, EntryFunction, EntrySource};
+use modyn_codegen::plan::{Derivative, DerivativeMode, EntryFunction, EntrySource};
 use modyn_codegen::{FloatType, Function};
 use modyn_runtime::simulate::HeightGrid;
 use modyn_runtime::{ContactSurface, Pose, SettingError, StepSettings};
@@ -72,6 +72,8 @@ pub fn planes_text(robot: &Robot, [rows, columns]: [usize; 2]) -> String {
 pub struct FieldForm {
     /// The number of rows and of columns of the heights.
     shape: [usize; 2],
+    /// The coordinates, by their index among the arguments.
+    q: usize,
     /// The settings, by their index among the arguments.
     settings: usize,
     /// The heights, which the grid follows, by their index among the arguments.
@@ -85,7 +87,7 @@ impl FieldForm {
     ///
     /// # Errors
     ///
-    /// If there are too few rows or columns, or the function is no step on the ground.
+    /// If there are too few rows or columns, or the function has no ground.
     pub fn new(robot: &Robot, function: &EntryFunction, shape: [usize; 2]) -> Result<Self, String> {
         let [rows, columns] = shape;
         if rows < 2 || columns < 2 {
@@ -95,14 +97,14 @@ impl FieldForm {
             ));
         }
         let Signature { name, arguments, .. } = Signature::of(robot, &function.source)?;
-        let mut kinds = arguments.iter().map(|(argument, _)| argument.kind);
-        let settings = kinds
-            .position(|kind| kind == ArgumentKind::StepSettings)
-            .ok_or_else(|| format!("`{name}` is no step on the ground"))?;
+        let index = |named: &str| arguments.iter().position(|(argument, _)| argument.name == named);
+        let [Some(q), Some(settings)] = ["q", "step_settings"].map(index) else {
+            return Err(format!("`{name}` has no ground"));
+        };
         let step = EntryFunction { derivatives: Vec::new(), ..function.clone() };
         let heights = signature::shapes(robot, &step)?.inputs().len();
         let derivative = function.derivatives.first().cloned();
-        Ok(Self { shape, settings, heights, derivative })
+        Ok(Self { shape, q, settings, heights, derivative })
     }
 }
 
@@ -226,8 +228,9 @@ impl<S: Number> ReadyStep<'_, S> {
         let [inputs, _] = step.shapes().lengths();
         let count = lanes.count();
         let mut poses = vec![S::zero(); POSE * centers.len() * count];
-        self.poses.run(&numbers[..inputs[0] * count], &mut poses, lanes);
-        let settings: usize = inputs[..form.settings].iter().sum();
+        let [q, settings] = [form.q, form.settings].map(|k| inputs[..k].iter().sum::<usize>());
+        let coordinates = &numbers[q * count..][..inputs[form.q] * count];
+        self.poses.run(coordinates, &mut poses, lanes);
         for lane in 0..count {
             let shapes = planes(centers.len()).zip(centers).zip(poses.chunks_exact(POSE * count));
             for ((plane, &center), pose) in shapes {

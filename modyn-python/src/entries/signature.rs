@@ -109,7 +109,6 @@ impl Signature {
             let name = match argument.name {
                 // A keyword of Python.
                 "from" => "from_",
-                "step_settings" => "settings",
                 name => name,
             };
             arguments.append((name, shape, default))?;
