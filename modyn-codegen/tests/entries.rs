@@ -55,7 +55,7 @@ fn of_the_table(
 }
 
 fn entry(source: EntrySource, results: Vec<Vec<usize>>) -> EntryFunction {
-    EntryFunction { source, results, feedback: false, cost: false, derivatives: Vec::new() }
+    EntryFunction { source, results, feedback: None, cost: false, derivatives: Vec::new() }
 }
 
 /// Returns a function of `q` and two joint vectors with run-time gravity and a payload, its arrays, and their lengths.

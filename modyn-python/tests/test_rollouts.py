@@ -224,6 +224,31 @@ def test_run_time_parameters():
     assert np.abs(found.q - before.q).max() > 1e-6
 
 
+@pytest.mark.parametrize("base", ["fixed", "floating"])
+@pytest.mark.parametrize("trajectory", [True, False])
+def test_diagonal_gains(base, trajectory):
+    """Gains of each joint are a diagonal matrix, for each motion and each step; gradients are its diagonals."""
+    own = robot(base, contacts={"foot": ("point", "link3", (0.1, -0.2, 0.05))})
+    q, qd, controls, dt = motions(own)
+    rng = np.random.default_rng(6)
+    nv = own.nv
+    for step, shape in (("semi_implicit", (7, 2, nv)), ("semi_implicit", (11, 1, 2, nv)), ("step", (2, nv))):
+        gains = rng.uniform(0, 2, size=shape)
+        dense = np.concatenate([gains[..., k, None, :] * np.eye(nv) for k in range(2)], -1)
+        arguments = dict(q=q, qd=qd, controls=controls, dt=dt, q_ref=q[::-1], qd_ref=0.1 * qd, step=step, trajectory=trajectory)
+        arguments |= {"q_ref": q[::-1, None], "qd_ref": 0.1 * qd[:, None]}
+        found, expected = (own.rollout(**arguments, gains=x) for x in (gains, dense))
+        close(found.q, expected.q, 1e-9)
+        weights = rng.normal(size=found.q.shape), rng.normal(size=found.qd.shape)
+        arguments |= {"q_cotangent": weights[0], "qd_cotangent": weights[1]}
+        found, expected = (own.rollout_vjp(**arguments, gains=x) for x in (gains, dense))
+        diagonals = [np.diagonal(expected.gains[..., k * nv : (k + 1) * nv], axis1=-2, axis2=-1) for k in range(2)]
+        close(found.gains, np.stack(diagonals, -2), 1e-8)
+        close(found.q_ref, expected.q_ref, 1e-8)
+    with pytest.raises(ValueError, match=rf"`gains` of `rollout` has the shape \(3, {nv}\); expected \({nv}, {2 * nv}\)"):
+        own.rollout(q, qd, controls, dt, gains=np.zeros((3, nv)), q_ref=q[0], qd_ref=qd[0])
+
+
 def test_parameters_of_each_motion():
     """A motion with parameters is that of a robot that has them; gradients are differences."""
     own = robot(payload=["link3"], runtime_gravity=True)

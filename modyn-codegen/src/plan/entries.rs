@@ -18,7 +18,7 @@ use super::planned::Planned;
 use super::programs::StepForm;
 use crate::graph::Graph;
 use crate::passes::{jvp, matrix, optimize, vjp};
-use crate::trace::{EntryForm, Tracer, second_derivatives};
+use crate::trace::{EntryForm, Gains, Tracer, second_derivatives};
 
 /// The largest number of operations of second derivatives that are not made by differentiation of a
 /// graph.
@@ -32,10 +32,10 @@ pub struct EntryFunction {
     /// The arrays that the result consists of: for each the places of its numbers among those of
     /// the function's result, in the order in which they are returned.
     pub results: Vec<Vec<usize>>,
-    /// Whether a function of a time step has a feedback: three more arguments, `gains` (nv, 2 nv),
-    /// `q_ref` and `qd_ref`. The forces are then `tau` + `gains` (x_ref - x), with the difference of
-    /// coordinates in tangent space, then the difference of velocities.
-    pub feedback: bool,
+    /// The gains of a time step with a feedback, which has three more arguments: `gains`, `q_ref` and
+    /// `qd_ref`. The forces are then `tau` + `gains` (x_ref - x), with the difference of coordinates
+    /// in tangent space, then the difference of velocities.
+    pub feedback: Option<Gains>,
     /// Whether a function of a time step has a quadratic cost: a third array of the state, `cost`,
     /// and after the arguments of the step and of its feedback `q_goal`, `qd_goal`, `state_weights`
     /// (2 nv) and `control_weights` (nv). The step adds the sum of `state_weights` (x_goal - x)^2
@@ -272,9 +272,10 @@ impl EntryFunction {
         if *cost {
             inputs.insert(2, 1);
         }
-        if *feedback {
-            coordinates.push(inputs.iter().sum::<usize>() + 2 * nv * nv);
-            inputs.extend([2 * nv * nv, nq, nv]);
+        if let Some(gains) = feedback {
+            let count = gains.count(nv);
+            coordinates.push(inputs.iter().sum::<usize>() + count);
+            inputs.extend([count, nq, nv]);
         }
         if *cost {
             coordinates.push(inputs.iter().sum());
@@ -317,7 +318,7 @@ impl EntryFunction {
             true => context.refined_step(function),
             false => packing::on_scalars(function, context),
         };
-        if *feedback || *cost {
+        if feedback.is_some() || *cost {
             let difference = packing::on_scalars(Function::Difference, context);
             let tracer = &context.tracer;
             let after_time = row.arguments.iter().skip(4);

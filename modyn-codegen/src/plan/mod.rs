@@ -37,6 +37,7 @@ pub use modyn_runtime::quantities::{
     Argument, ArgumentKind, BatchForm, Elements, Function, Record, Row, Shape, Sizes,
 };
 
+pub use crate::trace::Gains;
 pub use casadi::{CasadiFunction, CasadiMatrix, CasadiPlan};
 pub use choices::Choices;
 pub use code_form::CodeForm;

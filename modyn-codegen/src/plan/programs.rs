@@ -23,7 +23,7 @@ use crate::graph::step::StepGraph;
 use crate::intern::intern;
 use crate::passes::{balance, optimize};
 use crate::program::{Execution, InvalidProgram, Program};
-use crate::trace::{DerivativeForm, Drive, EliminationOf, StepProduct, Tracer};
+use crate::trace::{DerivativeForm, Drive, EliminationOf, Gains, StepProduct, Tracer};
 
 /// The scalar graphs of the selected functions that also have a selected batch form. Each graph is
 /// traced once, for the function and its batch form.
@@ -263,9 +263,9 @@ impl PlanContext<'_> {
             let mut step = tracer.step(elimination, &soft, drive, derivatives(columns));
             if let StepForm::Entries { feedback } = form {
                 let mut coordinates = vec![0];
-                if feedback {
+                if let Some(gains) = feedback {
                     let difference = packing::on_scalars(Function::Difference, self);
-                    step = self.tracer.step_with_feedback(step, &difference);
+                    step = self.tracer.step_with_feedback(step, gains, &difference);
                     // `q_ref` is before `qd_ref` and the parameters.
                     let Sizes { nq, nv, .. } = self.sizes;
                     let parameters = self.parameters(true);
@@ -326,9 +326,10 @@ impl PlanContext<'_> {
 pub(super) enum StepForm {
     /// The function of a robot.
     Robot,
-    /// A function of arrays of plain numbers, which scales quaternions to length 1 first. With
-    /// `feedback`, it has the arguments of [`EntryFunction`](super::entries::EntryFunction).
-    Entries { feedback: bool },
+    /// A function of arrays of plain numbers, which scales quaternions to length 1 first. With a
+    /// feedback of these gains, it has the arguments of
+    /// [`EntryFunction`](super::entries::EntryFunction).
+    Entries { feedback: Option<Gains> },
 }
 
 impl Kernels {

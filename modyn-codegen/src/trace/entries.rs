@@ -21,6 +21,33 @@ use crate::graph::step::StepGraph;
 use crate::graph::{Graph, Id, Node};
 use crate::passes::{hessian, jacobian, jvp, optimize, vjp};
 
+/// The gains of the feedback of a time step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Gains {
+    /// A matrix: the forces by the difference of states.
+    Matrix,
+    /// For the force of each entry of the velocities a gain of its own difference of coordinates, in the
+    /// first row, and of its own difference of velocities, in the second row.
+    Diagonal,
+}
+
+impl Gains {
+    /// Returns the number of rows and of columns.
+    #[must_use]
+    pub fn shape(self, nv: usize) -> [usize; 2] {
+        match self {
+            Self::Matrix => [nv, 2 * nv],
+            Self::Diagonal => [2, nv],
+        }
+    }
+
+    /// Returns the number of gains.
+    #[must_use]
+    pub fn count(self, nv: usize) -> usize {
+        self.shape(nv).into_iter().product()
+    }
+}
+
 /// The graphs of a function and of its derivatives with respect to its inputs, plain numbers.
 pub struct EntryDerivatives {
     /// The function.
@@ -120,12 +147,12 @@ impl Tracer<'_> {
     /// forces^2.
     ///
     /// Inputs: `q`, `qd`; of a cost `cost`; `controls`, `dt`, and as many `settings`; of a feedback
-    /// `gains` (nv rows of 2 nv numbers), `q_ref`, `qd_ref`; of a cost `q_goal`, `qd_goal`,
+    /// `gains` (by rows), `q_ref`, `qd_ref`; of a cost `q_goal`, `qd_goal`,
     /// `state_weights`, `control_weights`; the parameters.
     #[must_use]
     pub fn with_extras(
         &self,
-        feedback: bool,
+        feedback: Option<Gains>,
         cost: bool,
         settings: usize,
         step: &Graph,
@@ -137,7 +164,8 @@ impl Tracer<'_> {
         let [q, qd] = [nq, nv].map(|count| all.inputs(count));
         let before = all.inputs(usize::from(cost));
         let [controls, dt, settings] = [nv, 1, settings].map(|count| all.inputs(count));
-        let reference = feedback.then(|| [2 * nv * nv, nq, nv].map(|count| all.inputs(count)));
+        let reference =
+            feedback.map(|gains| [gains.count(nv), nq, nv].map(|count| all.inputs(count)));
         let goal = cost.then(|| [nq, nv, 2 * nv, nv].map(|count| all.inputs(count)));
         let parameters = all.inputs(self.parameters.len());
         let forces = match &reference {
@@ -166,14 +194,19 @@ impl Tracer<'_> {
     /// [`with_extras`](Self::with_extras) describes: `gains`, `q_ref` and `qd_ref` are inputs after
     /// the settings.
     #[must_use]
-    pub fn step_with_feedback(&self, step: StepGraph, difference: &Graph) -> StepGraph {
+    pub fn step_with_feedback(
+        &self,
+        step: StepGraph,
+        gains: Gains,
+        difference: &Graph,
+    ) -> StepGraph {
         let nq = self.model.nq;
         let nv = self.model.nv;
         let arguments = step.arguments();
         let others = arguments - self.parameters.len() - nq - 2 * nv;
         let mut all = Composition::new();
         let [q, qd, controls, others] = [nq, nv, nv, others].map(|count| all.inputs(count));
-        let reference = [2 * nv * nv, nq, nv].map(|count| all.inputs(count));
+        let reference = [gains.count(nv), nq, nv].map(|count| all.inputs(count));
         let added: usize = reference.iter().map(Vec::len).sum();
         let parameters = all.inputs(self.parameters.len());
         let of_parts = all.inputs(step.results.inputs.end - arguments);
@@ -197,8 +230,13 @@ impl Tracer<'_> {
     ) -> Vec<Id> {
         let mut error = all.add(difference, &[q, q_ref, parameters]);
         error.extend(all.difference(qd_ref, qd));
-        let rows = gains.chunks(2 * self.model.nv);
-        let feedback: Vec<Id> = rows.map(|row| all.dot(row, &error)).collect();
+        let nv = self.model.nv;
+        let feedback: Vec<Id> = if gains.len() == Gains::Diagonal.count(nv) {
+            let entry = |k: usize| all.dot(&[gains[k], gains[nv + k]], &[error[k], error[nv + k]]);
+            (0..nv).map(entry).collect()
+        } else {
+            gains.chunks(2 * nv).map(|row| all.dot(row, &error)).collect()
+        };
         all.sums(controls, &feedback)
     }
 

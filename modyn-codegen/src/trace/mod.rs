@@ -31,7 +31,7 @@ use modyn_runtime::mechanism::{BodyFrame, Mechanism, MergedMechanism};
 
 use crate::graph::{Expr, ForeignExpr, Graph};
 
-pub use entries::{EntryDerivatives, EntryForm, second_derivatives};
+pub use entries::{EntryDerivatives, EntryForm, Gains, second_derivatives};
 pub use evaluation::Solvers;
 pub use limbs::{LimbLimits, LimbPacking};
 pub use parameters::Parameters;

@@ -75,7 +75,8 @@ class Code:
 class Extras(NamedTuple):
     """What a time step of a rollout has beside the function of the table."""
 
-    feedback: bool = False
+    gains: tuple[int, int] | None = None
+    """the rows and columns of the gains of a feedback"""
     cost: bool = False
     field: tuple[int, int] | None = None
     """the rows and columns of the height field that sets the planes of the surfaces"""
@@ -391,7 +392,7 @@ class RolloutSignature:
             raise TypeError("`rollout` with contacts has no cost: compute it from the states, and leave `cost` out")
         if not missing and self.is_actuated:
             raise TypeError('`rollout` with `step="actuated"` has no feedback: leave `gains`, `q_ref` and `qd_ref` out')
-        one = self.shapes
+        one = self.shapes if missing else {**self.shapes, "gains": self.gains(given["gains"])}
         left_out = (*missing, *(() if has_cost else ("cost", *COST)))
         names = [name for name in one if name not in left_out]
         sequences = ["controls"]
@@ -411,7 +412,12 @@ class RolloutSignature:
         if self.parameters.parameters:
             arrays.append(given["parameters"])
         at = tuple(names.index(name) for name in sequences)
-        return [*arrays, *ground], (steps, at, Extras(not missing, has_cost, field))
+        return [*arrays, *ground], (steps, at, Extras(None if missing else one["gains"], has_cost, field))
+
+    def gains(self, given: Any) -> tuple[int, int]:
+        """Returns the rows and columns of gains: those of a diagonal matrix are two rows."""
+        nv = self.robot.nv
+        return (2, nv) if tuple(given.shape[-2:]) == (2, nv) else (nv, 2 * nv)
 
     def ground(self, given: dict[str, Any]) -> tuple[tuple[int, int] | None, list[Any]]:
         """Returns the rows and columns of the ground among the arguments, and its heights and grid."""

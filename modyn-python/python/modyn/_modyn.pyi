@@ -483,7 +483,8 @@ class Robot:
         `HeightField` that sets the planes of the surfaces, by the place of each shape before each step; leading axes of its arrays
         count motions, too. With a feedback, the
         forces are `controls` + `gains` (x_ref - x), where the difference of states has the difference of coordinates in tangent space, then
-        the difference of velocities: `gains`: (nv, 2 nv) or (steps, nv, 2 nv); `q_ref`: (nq,) or (steps, nq); `qd_ref`: (nv,) or (steps, nv);
+        the difference of velocities: `gains`: (nv, 2 nv), or (2, nv) for a gain of each joint's own
+        coordinate and of its velocity, and (steps, ...); `q_ref`: (nq,) or (steps, nq); `qd_ref`: (nv,) or (steps, nv);
         one step stands for all of them. With `step="actuated"`, the function `step_actuated`, `controls` has a control for each
         actuator, (steps, controls), and further arguments are `act`: the activations before the first step, by default zeros;
         and `applied`: (nv,), joint forces of all steps, by default zeros; there is no feedback. With `cost`, a

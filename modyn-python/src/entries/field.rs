@@ -27,7 +27,7 @@ pub fn poses(robot: &Robot) -> EntryFunction {
     EntryFunction {
         source: EntrySource::Table { function: Function::LinkPoses, link: None },
         results: vec![numbers.collect()],
-        feedback: false,
+        feedback: None,
         cost: false,
         derivatives: Vec::new(),
     }

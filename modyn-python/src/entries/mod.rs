@@ -18,7 +18,7 @@ mod xla;
 
 use std::sync::{Arc, PoisonError};
 
-use modyn_codegen::plan::{Derivative, DerivativeMode, EntryFunction, EntrySource, Planned};
+use modyn_codegen::plan::{Derivative, DerivativeMode, EntryFunction, EntrySource, Gains, Planned};
 use modyn_codegen::{Builder, FloatType, Function};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
@@ -61,22 +61,13 @@ fn identity_of(
 /// What a time step of a rollout has beside the function of the table.
 #[derive(FromPyObject)]
 struct Extras {
-    /// The arguments `gains`, `q_ref` and `qd_ref`.
-    feedback: bool,
+    /// The shape of `gains`, which the arguments `q_ref` and `qd_ref` follow.
+    gains: Option<[usize; 2]>,
     /// The array `cost` of the state, and `q_goal`, `qd_goal`, `state_weights` and `control_weights`.
     cost: bool,
     /// The rows and columns of a height field: the last arguments are its `heights` and `grid`, and the
     /// field sets the planes of the surfaces below the shapes.
     field: Option<[usize; 2]>,
-}
-
-/// Returns a function of arrays with a feedback and with a cost, if there are any.
-fn with_extras(function: EntryFunction, extras: &Extras) -> EntryFunction {
-    let Extras { feedback, cost, .. } = *extras;
-    let mut results = function.results;
-    let count = results.iter().map(Vec::len).sum();
-    results.extend(cost.then(|| vec![count]));
-    EntryFunction { results, feedback, cost, ..function }
 }
 
 #[pymethods]
@@ -108,7 +99,7 @@ impl Robot {
         extras: Extras,
     ) -> PyResult<CodeHandle> {
         let plain = self.entry_function(name, link, derivatives)?;
-        let function = with_extras(plain, &extras);
+        let function = self.with_extras(plain, &extras)?;
         let code = self.code_of(py, &function)?;
         match extras.field {
             None => Ok(code),
@@ -127,7 +118,7 @@ impl Robot {
         extras: Extras,
     ) -> PyResult<String> {
         let plain = self.entry_function(name, link, derivatives)?;
-        let function = with_extras(plain, &extras);
+        let function = self.with_extras(plain, &extras)?;
         let shapes = signature::shapes(self, &function).map_err(PyValueError::new_err)?;
         self.text_of(py, &function, shapes.lengths())
     }
@@ -162,7 +153,24 @@ impl Robot {
         let derivatives = derivatives.into_iter().map(parsed).collect::<PyResult<Vec<_>>>()?;
         let signature = Signature::of(self, &source).map_err(PyValueError::new_err)?;
         let results = signature.places();
-        Ok(EntryFunction { source, results, feedback: false, cost: false, derivatives })
+        Ok(EntryFunction { source, results, feedback: None, cost: false, derivatives })
+    }
+
+    /// Returns a function of arrays with a feedback and with a cost, if there are any.
+    fn with_extras(&self, function: EntryFunction, extras: &Extras) -> PyResult<EntryFunction> {
+        let Extras { gains, cost, .. } = *extras;
+        let nv = self.model().nv();
+        let of_shape = |shape: [usize; 2]| {
+            let mut forms = [Gains::Matrix, Gains::Diagonal].into_iter();
+            forms.find(|form| form.shape(nv) == shape).ok_or_else(|| {
+                PyValueError::new_err(format!("`gains` has {shape:?} rows and columns"))
+            })
+        };
+        let feedback = gains.map(of_shape).transpose()?;
+        let mut results = function.results;
+        let count = results.iter().map(Vec::len).sum();
+        results.extend(cost.then(|| vec![count]));
+        Ok(EntryFunction { results, feedback, cost, ..function })
     }
 
     /// Returns the builder of functions of arrays, which can name the robot's fused functions.

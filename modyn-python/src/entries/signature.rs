@@ -171,7 +171,7 @@ pub fn shapes(robot: &Robot, function: &EntryFunction) -> Result<ArrayShapes, St
         arguments.map(|(_, shape)| layout::of_argument(shape)).collect();
     let nq = robot.model().nq();
     let nv = robot.model().nv();
-    if function.feedback || function.cost {
+    if function.feedback.is_some() || function.cost {
         let name = signature.name;
         let names: Vec<&str> =
             signature.arguments.iter().map(|(argument, _)| argument.name).collect();
@@ -193,8 +193,8 @@ pub fn shapes(robot: &Robot, function: &EntryFunction) -> Result<ArrayShapes, St
         // Time steps with a cost have no argument that is checked.
         inputs.insert(2, Vec::new());
     }
-    if function.feedback {
-        inputs.extend([vec![nv, 2 * nv], vec![nq], vec![nv]]);
+    if let Some(gains) = function.feedback {
+        inputs.extend([gains.shape(nv).to_vec(), vec![nq], vec![nv]]);
     }
     if function.cost {
         inputs.extend([vec![nq], vec![nv], vec![2 * nv], vec![nv]]);
