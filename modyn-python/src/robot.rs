@@ -241,7 +241,8 @@ impl Robot {
         let robots = if row.of_actuators {
             "robots with actuators (the option `actuators`, or the `<actuator>` of an MJCF)"
         } else if row.of_touching_shapes {
-            "robots with shapes that touch the ground (the options `contacts` and `ground`, or the planes of an MJCF or an SDF)"
+            "robots with shapes that touch the ground (the options `contacts` and `ground`, or \
+             planes of an MJCF or an SDF)"
         } else {
             "robots with closed loops or contacts (the options `loops` and `contacts`)"
         };
