@@ -63,15 +63,17 @@ def main():
         parser.error(f"--worlds: a multiple of {count * ppo.BATCHES} is needed, {ppo.BATCHES} times the samplers")
     samplers = [Sampler.remote(given.seed * count + k, given.worlds // count) for k in range(count)]
     learner, learn = ppo.start(Walk(), jax.random.key(given.seed)), jax.jit(ppo.learn)
-    began, returns = time.perf_counter(), []
+    began, returns, died = time.perf_counter(), [], None
     iterations = ppo.CHECK if given.check else round(given.steps / (given.worlds * ppo.HORIZON))
     while len(returns) <= iterations:
-        killed = ray.get(samplers[0].process.remote()) if given.check and len(returns) == 3 else None
+        kills = given.check and len(returns) == 3
+        if kills:
+            died = ray.get(samplers[0].process.remote())
         # One copy of the policy on each machine.
         policy = ray.put(jax.tree.map(np.asarray, learner.policy))
         parts = [sampler.sample.remote(policy) for sampler in samplers]
-        if killed:
-            os.kill(killed, signal.SIGKILL)
+        if kills:
+            os.kill(died, signal.SIGKILL)
         parts = ray.get(parts)
         sample = jax.tree.map(lambda *parts: np.concatenate(parts, 1), *[sample for sample, _ in parts])
         progress = jax.tree.map(lambda *parts: np.mean(parts), *[progress for _, progress in parts])
@@ -82,6 +84,8 @@ def main():
             if not given.check:
                 ppo.save(given.out, learner.policy)
     if given.check:
+        if ray.get(samplers[0].process.remote()) == died:
+            sys.exit("the first sampler has not died")
         ppo.check(returns)
     ppo.save(given.out, learner.policy)
 
