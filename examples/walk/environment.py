@@ -106,13 +106,13 @@ class Walk:
         with warnings.catch_warnings():
             # The friction of the joints acts in steps only, as it should here.
             warnings.simplefilter("ignore", modyn.DescriptionWarning)
-            self.robot = modyn.load(task.robot, scalar=scalar, payload=[task.trunk])
+            feet = [(function, foot) for function in ("link_pose", "link_velocity") for foot in task.feet]
+            self.robot = modyn.load(task.robot, scalar=scalar, payload=[task.trunk], fused={"feet": feet})
         self.dt = self.robot.time_step
         self.stand = jnp.asarray(self.robot.keyframe("stand").q, self.robot.dtype)
         self.motion = modyn.jax.rollout(self.robot, step="actuated")
         self.actuate = modyn.jax.function(self.robot, "actuate")
-        self.poses = [modyn.jax.function(self.robot, "link_pose", foot) for foot in task.feet]
-        self.velocities = [modyn.jax.function(self.robot, "link_velocity", foot) for foot in task.feet]
+        self.feet_motion = modyn.jax.function(self.robot, "feet")
 
     @property
     def actions(self):
@@ -156,8 +156,9 @@ class Walk:
         return State(q, qd, jnp.zeros_like(qd), feet, zeros(3), zeros(self.actions), zeros(), jnp.zeros(len(q), int))
 
     def feet(self, q, qd, forces):
-        heights = jnp.stack([pose(q).translation[..., 2] for pose in self.poses], -1) - self.task.sole
-        return Feet(heights, jnp.stack([velocity(q, qd)[..., :2] for velocity in self.velocities], -2), forces)
+        motion, count = self.feet_motion(q, qd), len(self.task.feet)
+        heights = jnp.stack([pose.translation[..., 2] for pose in motion[:count]], -1) - self.task.sole
+        return Feet(heights, jnp.stack([velocity[..., :2] for velocity in motion[count:]], -2), forces)
 
     def reset(self, key, worlds):
         """Returns the first states of episodes, one for each world."""
