@@ -3,11 +3,11 @@
 //!
 //! `modyn::simulate::State::step` is the same step for generated robots.
 
-use modyn_runtime::equations::{State, TimeStepInput};
 use modyn_runtime::equations::actuation::ActuatorInput;
 use modyn_runtime::equations::soft_constraints::{
     ActuatedInput, SoftModel, StepInput, TouchingPoint,
 };
+use modyn_runtime::equations::{State, TimeStepInput};
 use modyn_runtime::joint::JointType;
 use modyn_runtime::model::{Impedance, Keyframe, Model, Softness};
 use modyn_runtime::{
