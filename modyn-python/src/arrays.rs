@@ -344,7 +344,7 @@ impl<'py, S: Number> Output<'py, S> {
                 && base.shape() == shape
                 && array.shape() == leaf.shape(states)
                 && array.strides().iter().zip(&strides).all(|(&a, &b)| usize::try_from(a) == Ok(b))
-                && array.data() == base.data().wrapping_add(leaf.offset);
+                && array.data() == base.data().wrapping_add(offset(leaf, base));
             if !is_view {
                 return Err(wrong());
             }
@@ -433,6 +433,11 @@ fn order(leaf: &Leaf, states: Option<usize>, length: usize) -> Option<bool> {
     }
 }
 
+/// Returns the index of an array's first number in `base`. NumPy accepts no offset into an empty one.
+fn offset<S: Number>(leaf: &Leaf, base: &Bound<'_, PyArrayDyn<S>>) -> usize {
+    if base.is_empty() { 0 } else { leaf.offset }
+}
+
 /// Returns the arrays of a layout as views into `base`, in named tuples.
 fn views<'py, S: Number>(
     base: &Bound<'py, PyArrayDyn<S>>,
@@ -449,7 +454,8 @@ fn views<'py, S: Number>(
             let strides = leaf.strides::<S>(states, length);
             let shape = PyTuple::new(py, shape)?;
             let strides = PyTuple::new(py, strides)?;
-            ndarray.call1((shape, S::get_dtype(py), base, leaf.offset * size_of::<S>(), strides))
+            let offset = offset(leaf, base) * size_of::<S>();
+            ndarray.call1((shape, S::get_dtype(py), base, offset, strides))
         }
         Layout::Tuple(class, fields) => {
             let field = |(name, layout): &(&'static str, Layout)| {

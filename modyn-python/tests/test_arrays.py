@@ -115,6 +115,15 @@ def test_out_is_written_in_place(panda, n):
     assert np.array_equal(out, jacobian)
 
 
+def test_no_states(panda):
+    """Results of no states have their shapes, as those of several arrays do."""
+    q, qd, _, tau = states(panda, 0)
+    poses = panda.link_poses(q)
+    assert poses.rotation.shape == (0, len(panda.link_names), 3, 3) and poses.translation.shape == (0, len(panda.link_names), 3)
+    assert panda.step_semi_implicit(q, qd, tau, 0.01).qd.shape == (0, panda.nv)
+    assert panda.link_poses(q, out=poses) is poses
+
+
 def test_out_allocates_nothing(panda):
     q, qd, _, tau = states(panda, 4000)
     out = np.empty_like(q)
