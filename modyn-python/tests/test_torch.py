@@ -256,6 +256,26 @@ def test_each_world_has_its_ground():
             function(heights.clone().requires_grad_(), settings).sum().backward()
 
 
+def test_forward_mode_on_the_ground():
+    """Arguments that do not change, such as heights, need no derivatives."""
+    own, q, qd, tau, _ = scene(1)
+    q, qd, tau = (torch.from_numpy(x[0]) for x in (q, qd, tau))
+    ground = ramp()[0]
+    points, step = (modyn.torch.function(own, name) for name in ("touching_points", "step"))
+    for function in (lambda qd: points(q, qd, ground=ground).velocities, lambda qd: step(q, qd, tau, 0.002, ground=ground).qd):
+        expected = torch.func.jacrev(function)(qd)
+        assert expected.abs().max() > 0.1
+        close(torch.func.jacfwd(function)(qd), expected, 1e-12)
+    of_start = lambda start: step(q, qd, tau, 0.002, start, ground=ground).qd
+    assert (torch.func.jvp(of_start, (torch.zeros_like(qd),), (qd,))[1] == 0).all()
+    gaps = lambda q: points(q, qd, ground=ground).gaps.sum()
+    for transformation in (torch.func.hessian, lambda f: torch.func.jacrev(torch.func.jacrev(f))):
+        with pytest.raises(NotImplementedError, match="`touching_points` with a `ground` has first derivatives alone"):
+            transformation(gaps)(q)
+    with pytest.raises(NotImplementedError, match="no derivatives with respect to the fields of `ground`"):
+        torch.func.jacfwd(lambda heights: points(q, qd, ground=modyn.HeightField(heights)).gaps)(torch.zeros(2, 2, dtype=torch.float64))
+
+
 def test_run_time_parameters_and_tangent_space():
     own = robot(payload=["link3"], runtime_gravity=True)
     q, qd, tau = tensors(own)

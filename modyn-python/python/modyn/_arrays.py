@@ -163,6 +163,10 @@ class ArrayFunction(Code):
         """
         if self._solves and self.derivatives:
             raise NotImplementedError(f"`{self.name}` has first derivatives alone")
+        if self.extras.field is not None and self.derivatives:
+            raise NotImplementedError(
+                f"`{self.name}` with a `ground` has first derivatives alone; for others, set the planes of the surfaces in the settings"
+            )
         if not set(variables) <= set(self.variable):
             raise NotImplementedError(NO_HEIGHTS)
         at = (mode, tuple(variables))

@@ -417,10 +417,13 @@ class _Call(torch.autograd.Function):
         tensors = ctx.code.at_solution(tensors, output)
         ctx.save_for_backward(*tensors)
         ctx.save_for_forward(*tensors)
+        # `jvp` gets no changes of arguments that do not change, such as the heights of a ground.
+        ctx.set_materialize_grads(False)
 
     @staticmethod
     def backward(ctx: Any, *weights: torch.Tensor) -> Any:
         tensors = ctx.saved_tensors
+        weights = tuple(tensors[0].new_zeros(own) if x is None else x for x, own in zip(weights, ctx.code.outputs))
         variables = [k for k in range(len(tensors)) if ctx.needs_input_grad[k + 1] and k != ctx.code.constant]
         found = _Call.apply(ctx.code.derivative("reverse", variables), *tensors, *weights)
         gradients: list[Any] = [None] * len(tensors)
@@ -432,6 +435,9 @@ class _Call(torch.autograd.Function):
     def jvp(ctx: Any, _: Any, *changes: Any) -> Any:
         tensors = ctx.saved_tensors
         variables = [k for k, change in enumerate(changes) if change is not None and k != ctx.code.constant]
+        if not variables:
+            lead = _lead(tensors, ctx.code.inputs)
+            return tuple(tensors[0].new_zeros((*lead, *own)) for own in ctx.code.outputs)
         changes = [changes[k] for k in variables]  # type: ignore[assignment]
         return _Call.apply(ctx.code.derivative("forward", variables), *tensors, *changes)
 
