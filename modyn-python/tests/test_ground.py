@@ -199,6 +199,8 @@ def test_each_world_has_its_ground():
     policy = lambda time, q_now, qd_now: np.zeros(robot.nv)
     expected = robot.rollout(turned, **arguments, ground=field)
     close(robot.simulate(policy, turned, np.zeros((5, robot.nv)), 0.002, 30, level, ground=field).q, expected.q, 1e-6)
+    with pytest.raises(ValueError, match=r"axes of states of the arguments of `step` do not fit: `q` \(3,\), .*`ground.heights` \(5,\)"):
+        robot.simulate(policy, turned[:3], np.zeros((3, robot.nv)), 0.002, 30, level, ground=field)
 
 
 def test_servos_on_the_ground():
@@ -485,6 +487,10 @@ def test_touching_points():
     found = function(q, qd, StepSettings([ContactSurface()] * 2), ground=field)
     for a, b in zip(found, robot.touching_points(q, qd, on_plane)):
         close(a, b, 1e-9)
+    second = lambda settings, **ground: jax.hessian(lambda q: function(q, qd[0], settings, **ground).gaps.sum())(q[0])
+    with pytest.raises(NotImplementedError, match="first derivatives alone; for others, set the planes of the surfaces in the settings"):
+        second(StepSettings([ContactSurface()] * 2), ground=field)
+    assert np.abs(second(on_plane)).max() > 0.1
     ground = hills((5,))
     found = jax.jit(lambda heights: function(q, qd, ground=modyn.HeightField(heights, ground.origin, ground.spacing)))(ground.heights)
     level = robot.touching_points(q, qd, StepSettings([ContactSurface()] * 2))
@@ -529,3 +535,7 @@ def test_grounds_in_jax():
     close(jax.vmap(end)(*parts), expected, 1e-9)
     with pytest.raises(NotImplementedError, match="no derivatives with respect to the fields of `ground`"):
         jax.grad(lambda heights: end(heights, *parts[1:])[0, 2])(field.heights)
+    one = modyn.HeightField(*(x[0] for x in parts))
+    for transformation in (jax.hessian, lambda f: jax.jacfwd(jax.jacfwd(f))):
+        with pytest.raises(NotImplementedError, match="`step` has first derivatives alone"):
+            transformation(lambda qd: rollout(q, qd, controls, 0.002, ground=one).q[2])(qd)

@@ -234,7 +234,7 @@ def simulate(
     for k in range(steps):
         tau = _array(self, "simulate", "policy(time, q, qd)", policy(k * float(given["dt"]), q, qd))
         of_step = [q, qd, tau, given["dt"], qdd, given["settings"]]
-        of_robot.check(of_step)
+        of_robot.check(of_step, of_ground)
         results.append(StepSolution(*step.handle.call([*of_step, *own, *of_ground])))
         q, qd, qdd = results[-1][:3]
     return StepSolution(*(np.stack(parts, q.ndim - 1) for parts in zip(*results)))

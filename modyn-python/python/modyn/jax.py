@@ -416,7 +416,14 @@ def _changes_abstract(*arrays: Any, code: Rollout, variables: tuple[int, ...]) -
     return [jax.core.ShapedArray(lead + own, arrays[0].dtype) for own in code.outputs]
 
 
+def _check_second(step: ArrayFunction) -> None:
+    """Raises if a step has no second derivatives."""
+    if step.start is not None:
+        raise NotImplementedError(f"`{step.name}` has first derivatives alone")
+
+
 def _changes_jvp(primals: Any, tangents: Any, *, code: Rollout, variables: tuple[int, ...]) -> Any:
+    _check_second(code.step)
     call = lambda *arrays: _by_scan(*arrays, code=code, variables=variables)
     return jax.jvp(call, primals, tuple(map(ad.instantiate_zeros, tangents)))
 
@@ -437,6 +444,7 @@ def _changes_batched(arrays: Any, dims: Any, *, code: Rollout, variables: tuple[
 
 
 def _gradient_jvp(primals: Any, tangents: Any, *, code: RolloutGradient) -> Any:
+    _check_second(code.rollout.step)
     values = _rollout_gradient.bind(*primals, code=code)
     call = lambda *arrays: _gradient_by_scan(*arrays, code=code)
     return values, jax.jvp(call, primals, tuple(map(ad.instantiate_zeros, tangents)))[1]
