@@ -494,7 +494,7 @@ def test_refused():
     with pytest.raises(TypeError, match="`control` is no function of a link"):
         modyn.jax.function(fused, "control", "link1")
     with pytest.raises(ValueError, match="`control` is no time step under joint forces, so it has no feedback and no cost"):
-        fused._array_code("control", None, [], Extras(feedback=True))
+        fused._array_code("control", None, [], Extras(gains=(2, fused.nv)))
     with pytest.raises(TypeError, match="use `jax.vjp`"):
         jax.linear_transpose(function, q, qd, tau)(qd)
     close(function(q=q, tau=tau, qd=qd), function(q, qd, tau), 0)
