@@ -196,8 +196,17 @@ def test_each_world_has_its_ground():
             close(together[1][world], alone[1], 1e-9)
     forces = robot.rollout(turned[0], **arguments, ground=field).forces
     assert all(np.abs(forces[i] - forces[j]).max() > 1e-3 for i, j in itertools.combinations(range(5), 2))
-    policy = lambda time, q_now, qd_now: np.zeros(robot.nv)
     expected = robot.rollout(turned, **arguments, ground=field)
+    shapes = set()
+
+    def policy(time, q_now, qd_now):
+        shapes.add((q_now.shape, qd_now.shape))
+        return np.zeros(robot.nv)
+
+    # Worlds of the ground alone are motions from the first step on.
+    one = robot.simulate(policy, turned[0], np.zeros(robot.nv), 0.002, 3, level, ground=field)
+    close(one.q, robot.rollout(turned[0], **{**arguments, "controls": np.zeros((3, robot.nv))}, ground=field).q, 1e-6)
+    assert shapes == {((5, robot.nq), (5, robot.nv))}
     close(robot.simulate(policy, turned, np.zeros((5, robot.nv)), 0.002, 30, level, ground=field).q, expected.q, 1e-6)
     with pytest.raises(ValueError, match=r"axes of states of the arguments of `step` do not fit: `q` \(3,\), .*`ground.heights` \(5,\)"):
         robot.simulate(policy, turned[:3], np.zeros((3, robot.nv)), 0.002, 30, level, ground=field)
@@ -237,6 +246,7 @@ def test_heights_that_are_unknown():
         robot.rollout_vjp(**arguments, **weights, ground=one)
     for ground, message in (
         (modyn.HeightField([[0.0, 1.0]]), r"`heights` of `HeightField` has the shape \(1, 2\); expected two rows and two columns, or more"),
+        (modyn.HeightField(None), "`heights` of `HeightField` is `None`; expected an array"),
         (modyn.HeightField([0.0, 1.0]), r"`heights` of `HeightField` has the shape \(2,\); expected \(rows, columns\)"),
         (modyn.HeightField(np.zeros((2, 2)), spacing=(1, -1)), "`spacing` of the height field is -1; expected"),
         (modyn.HeightField(np.zeros((2, 2)), origin=(1, 2, 3)), r"`ground.origin` of `rollout` has the shape \(3,\); expected \(2,\)"),
@@ -533,6 +543,10 @@ def test_grounds_in_jax():
         close(end(*(x[world] for x in parts)), expected[world], 1e-9)
     assert len(traces) == 1
     close(jax.vmap(end)(*parts), expected, 1e-9)
+    # A ground is an argument of `jit` and of `vmap` by itself.
+    at = jax.jit(lambda ground: rollout(q, qd, controls, 0.002, ground=ground).q)
+    close(at(field), expected, 1e-9)
+    close(jax.vmap(at)(field), expected, 1e-9)
     with pytest.raises(NotImplementedError, match="no derivatives with respect to the fields of `ground`"):
         jax.grad(lambda heights: end(heights, *parts[1:])[0, 2])(field.heights)
     one = modyn.HeightField(*(x[0] for x in parts))

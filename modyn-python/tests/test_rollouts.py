@@ -245,7 +245,7 @@ def test_diagonal_gains(base, trajectory):
         diagonals = [np.diagonal(expected.gains[..., k * nv : (k + 1) * nv], axis1=-2, axis2=-1) for k in range(2)]
         close(found.gains, np.stack(diagonals, -2), 1e-8)
         close(found.q_ref, expected.q_ref, 1e-8)
-    with pytest.raises(ValueError, match=rf"`gains` of `rollout` has the shape \(3, {nv}\); expected \({nv}, {2 * nv}\)"):
+    with pytest.raises(ValueError, match=rf"has the shape \(3, {nv}\); expected \({nv}, {2 * nv}\), or \(2, {nv}\)"):
         own.rollout(q, qd, controls, dt, gains=np.zeros((3, nv)), q_ref=q[0], qd_ref=qd[0])
 
 

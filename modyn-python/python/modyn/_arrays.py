@@ -420,8 +420,11 @@ class RolloutSignature:
 
     def gains(self, given: Any) -> tuple[int, int]:
         """Returns the rows and columns of gains: those of a diagonal matrix are two rows."""
-        nv = self.robot.nv
-        return (2, nv) if tuple(given.shape[-2:]) == (2, nv) else (nv, 2 * nv)
+        nv, shape = self.robot.nv, tuple(given.shape)
+        if shape[-2:] not in ((nv, 2 * nv), (2, nv)):
+            diagonal = f"or {(2, nv)} of a diagonal matrix, after axes of motions and steps"
+            raise ValueError(f"`gains` of `rollout` has the shape {shape}; expected {(nv, 2 * nv)}, {diagonal}")
+        return (nv, 2 * nv) if shape[-2:] == (nv, 2 * nv) else (2, nv)
 
     def ground(self, given: dict[str, Any]) -> tuple[tuple[int, int] | None, list[Any]]:
         """Returns the rows and columns of the ground among the arguments, and its heights and grid."""
@@ -570,6 +573,9 @@ def ground_arrays(
     """Returns the heights and the grid of a ground as arrays: the last arguments of a function on a height field."""
     if not isinstance(ground, HeightField):
         raise TypeError(f"`ground` must be a `modyn.HeightField`, not {type(ground).__name__}")
+    for name in ("heights", "origin", "spacing"):
+        if getattr(ground, name) is None:
+            raise TypeError(f"`{name}` of `HeightField` is `None`; expected an array")
     heights = asarray("ground.heights", ground.heights)
     if heights.ndim < 2:
         raise ValueError(f"`heights` of `HeightField` has the shape {tuple(heights.shape)}; expected (rows, columns)")

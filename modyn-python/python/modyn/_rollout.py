@@ -210,7 +210,7 @@ def simulate(
     step is `rollout`.
 
     Arguments: `policy`: a function that returns tau: (nv,); `q`: (nq,); `qd`: (nv,); `dt`: (); `steps`: the number of
-    steps; `settings`, `ground` and `parameters` as in `rollout`. Leading axes of `q` and `qd` are axes of motions, which `policy` gets,
+    steps; `settings`, `ground` and `parameters` as in `rollout`. Leading axes are axes of motions, which `q` and `qd` of `policy` have,
     too.
     Result: `StepSolution`, with an axis of steps after the axes of motions.
     """
@@ -230,6 +230,10 @@ def simulate(
     step, of_robot = signature.one_step(Extras(field=field)), signature.parameters
     own = [given["parameters"]] if of_robot.parameters else []
     q, qd, qdd = given["q"], given["qd"], given["warm_start"]
+    of_robot.check([q, qd, np.zeros(self.nv), given["dt"], qdd, given["settings"]], of_ground)
+    leads = [x.shape[:-1] for x in (q, qd, given["settings"], *own, *of_ground[1:])]
+    lead = np.broadcast_shapes(*leads, *(x.shape[:-2] for x in of_ground[:1]))
+    q, qd = (np.ascontiguousarray(np.broadcast_to(x, (*lead, x.shape[-1]))) for x in (q, qd))
     results: list[StepSolution] = []
     for k in range(steps):
         tau = _array(self, "simulate", "policy(time, q, qd)", policy(k * float(given["dt"]), q, qd))

@@ -173,6 +173,8 @@ def _concatenate(arrays: list[Any]) -> Any:
     return jnp.concatenate([jnp.broadcast_to(array, (*lead, array.shape[-1])) for array in arrays], -1)
 
 
+jax.tree_util.register_dataclass(HeightField, ["heights", "origin", "spacing"], [])
+
 # XLA's handler. The attribute `function` is the key of the code.
 _HANDLER = ctypes.CFUNCTYPE(ctypes.c_void_p, ctypes.c_void_p)(_modyn.xla_handler())
 jax.ffi.register_ffi_target("modyn", jax.ffi.pycapsule(_HANDLER), platform="cpu")
