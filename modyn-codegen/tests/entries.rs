@@ -96,6 +96,18 @@ fn differences(f: &Evaluated, x: &[f64], lengths: &[usize], variables: &[usize])
     entries.map(column).collect()
 }
 
+/// Returns the product of a matrix by columns and a change of its variables.
+fn along(columns: &[Vec<f64>], change: &[f64]) -> Vec<f64> {
+    let row = |row: usize| columns.iter().zip(change).map(|(column, t)| column[row] * t).sum();
+    (0..columns[0].len()).map(row).collect()
+}
+
+/// Returns the product of the transpose of a matrix by columns and weights of its rows.
+fn gradient(columns: &[Vec<f64>], weights: &[f64]) -> Vec<f64> {
+    let entry = |column: &Vec<f64>| column.iter().zip(weights).map(|(entry, w)| entry * w).sum();
+    columns.iter().map(entry).collect()
+}
+
 #[test]
 fn derivatives_are_those_of_the_function() {
     for own in [Function::ForwardDynamics, Function::InverseDynamics] {
@@ -106,19 +118,12 @@ fn derivatives_are_those_of_the_function() {
 
         let change = numbers(varying, 5);
         let forward = value.derivative(DerivativeMode::Forward, &variables);
-        let along: Vec<f64> = (0..nv)
-            .map(|row| expected.iter().zip(&change).map(|(column, t)| column[row] * t).sum())
-            .collect();
-        close(&forward.call(&[&*x, &change].concat()), &along, 1e-8);
+        close(&forward.call(&[&*x, &change].concat()), &along(&expected, &change), 1e-8);
 
         let weights = numbers(nv, 6);
         let reverse = value.derivative(DerivativeMode::Reverse, &variables);
-        let gradient: Vec<f64> = expected
-            .iter()
-            .map(|column| column.iter().zip(&weights).map(|(entry, w)| entry * w).sum())
-            .collect();
         let weighted = [&*x, &weights].concat();
-        close(&reverse.call(&weighted), &gradient, 1e-8);
+        close(&reverse.call(&weighted), &gradient(&expected, &weights), 1e-8);
 
         // Blocks by result and variable, each by rows.
         let matrix = value.derivative(DerivativeMode::Matrix, &variables).call(&x);
@@ -211,7 +216,9 @@ impl UserFunction<2> for Height {
 fn a_fused_function_has_the_results_of_its_functions() {
     let robot = builder();
     let model = robot.plan().expect("a robot").model;
-    let (nq, nv, last) = (model.nq(), model.nv(), model.links().len() - 1);
+    let nq = model.nq();
+    let nv = model.nv();
+    let last = model.links().len() - 1;
     // In the order of the arguments of the fused function: the user's come last.
     let lengths = [nq, nv, nv, 1, 13];
     let [q, qd, qdd] = [numbers(nq, 3), numbers(nv, 4), numbers(nv, 5)];
@@ -248,18 +255,11 @@ fn a_fused_function_has_the_results_of_its_functions() {
     let variables = [0, 2, 3, 4];
     let columns = differences(&value, &x, &lengths, &variables);
     let change = numbers(columns.len(), 6);
-    let along: Vec<f64> = (0..count)
-        .map(|row| columns.iter().zip(&change).map(|(column, t)| column[row] * t).sum())
-        .collect();
     let forward = value.derivative(DerivativeMode::Forward, &variables);
-    close(&forward.call(&[&*x, &change].concat()), &along, 1e-8);
+    close(&forward.call(&[&*x, &change].concat()), &along(&columns, &change), 1e-8);
     let weights = numbers(count, 7);
     let reverse = value.derivative(DerivativeMode::Reverse, &variables);
-    let gradient: Vec<f64> = columns
-        .iter()
-        .map(|column| column.iter().zip(&weights).map(|(entry, w)| entry * w).sum())
-        .collect();
-    close(&reverse.call(&[&*x, &weights].concat()), &gradient, 1e-8);
+    close(&reverse.call(&[&*x, &weights].concat()), &gradient(&columns, &weights), 1e-8);
 
     let unknown = entry(EntrySource::Fused("contrl".into()), all(1));
     let errors = with_fused.plan_entries(&unknown).map(|_| ()).expect_err("no such function");

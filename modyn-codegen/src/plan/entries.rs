@@ -2,9 +2,9 @@
 //! that differentiate with respect to every entry of an array, such as JAX and PyTorch.
 //!
 //! A function of the table or a fused function becomes one whose inputs are its arguments, then the
-//! run-time parameters if it depends on them. It scales quaternions to length 1 first, so its
-//! derivatives by all four entries are those of this value. A derivative is again such a function,
-//! with further inputs, so derivatives can follow one another.
+//! run-time parameters if it depends on them. The function scales quaternions to length 1 first, and
+//! its derivatives by the four entries of a quaternion include this scaling. A derivative is a
+//! function of arrays with further inputs, so derivatives can follow one another.
 
 use std::ops::Range;
 

@@ -231,6 +231,7 @@ impl Tracer<'_> {
         let mut error = all.add(difference, &[q, q_ref, parameters]);
         error.extend(all.difference(qd_ref, qd));
         let nv = self.model.nv;
+        // With one velocity both forms have the same two gains.
         let feedback: Vec<Id> = if gains.len() == Gains::Diagonal.count(nv) {
             let entry = |k: usize| all.dot(&[gains[k], gains[nv + k]], &[error[k], error[nv + k]]);
             (0..nv).map(entry).collect()
