@@ -60,19 +60,15 @@ impl<'a, T: Scalar + Into<f64>> HeightField<'a, T> {
     ///
     /// If there are not two full rows of at least two heights, if a number is not finite, or if a
     /// distance is not above zero.
-    #[allow(clippy::cast_precision_loss)]
     pub fn new(
         origin: [T; 2],
         spacing: [T; 2],
         columns: usize,
         heights: &'a [T],
     ) -> Result<Self, SettingError> {
-        let place = SettingPlace::HeightField;
         let rows = heights.len().checked_div(columns).unwrap_or_default();
-        if columns < 2 || rows < 2 || rows * columns != heights.len() {
-            let value = heights.len() as f64;
-            let range = SettingRange::Grid;
-            return Err(SettingError { name: "heights", place, value, range });
+        if rows * columns != heights.len() {
+            return Err(no_grid(heights.len()));
         }
         let grid = HeightGrid::new(origin, spacing, [columns, rows])?;
         (0..heights.len()).try_for_each(|k| grid.check_height(heights, k))?;
@@ -113,6 +109,13 @@ impl<'a, T: Scalar + Into<f64>> HeightField<'a, T> {
     }
 }
 
+/// Returns the error that this many heights are no two full rows of two.
+#[allow(clippy::cast_precision_loss)]
+fn no_grid(heights: usize) -> SettingError {
+    let place = SettingPlace::HeightField;
+    SettingError { name: "heights", place, value: heights as f64, range: SettingRange::Grid }
+}
+
 /// Returns the x and y of a point of a link: `pose` is the link's pose, and `place` the point in the
 /// link's axes.
 fn above<T: Scalar>(pose: Pose<T>, place: [T; 3]) -> [T; 2] {
@@ -128,14 +131,11 @@ impl<T: Scalar + Into<f64>> HeightGrid<T> {
     ///
     /// If there are not two heights along each axis, if a number is not finite, or if a distance is
     /// not above zero.
-    #[allow(clippy::cast_precision_loss)]
     pub fn new(origin: [T; 2], spacing: [T; 2], counts: [usize; 2]) -> Result<Self, SettingError> {
-        let place = SettingPlace::HeightField;
         if counts.iter().any(|&count| count < 2) {
-            let value = (counts[0] * counts[1]) as f64;
-            let range = SettingRange::Grid;
-            return Err(SettingError { name: "heights", place, value, range });
+            return Err(no_grid(counts[0] * counts[1]));
         }
+        let place = SettingPlace::HeightField;
         for (x, distance) in origin.into_iter().zip(spacing) {
             SettingRange::Finite.check("origin", place, x.into())?;
             SettingRange::Positive.check("spacing", place, distance.into())?;
