@@ -18,6 +18,8 @@ from ._types import HeightField, QuadraticCost, RolloutCosts, RolloutStates
 Shape = tuple[int, ...]
 
 
+NO_PARAMETERS = "the robot has no run-time parameters: load it with `runtime_gravity=True`, `runtime_inertia=[...]` or `payload=[...]`"
+
 NO_HEIGHTS = "steps have no derivatives with respect to the fields of `ground`: do not differentiate by them"
 
 
@@ -352,10 +354,7 @@ class RolloutSignature:
         if self.parameters.parameters:
             given["parameters"] = self.parameters.flat(parameters, asarray, concatenate)
         elif parameters is not None:
-            raise TypeError(
-                "`rollout`: the robot has no run-time parameters: load it with `runtime_gravity=True`, `runtime_inertia=[...]` or "
-                "`payload=[...]`, or leave `parameters` out"
-            )
+            raise TypeError(f"`rollout`: {NO_PARAMETERS}, or leave `parameters` out")
 
     def add_cost(self, given: dict[str, Any], cost: QuadraticCost, asarray: Callable[[str, Any], Any], library: Any) -> None:
         """Adds the arguments of a cost to those of a rollout. `library` has `zeros`, `broadcast_to` and `concatenate`."""

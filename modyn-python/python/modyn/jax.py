@@ -33,7 +33,7 @@ from jax.extend.core import Primitive
 from jax.interpreters import ad, batching, mlir
 
 from . import _cuda, _modyn
-from ._arrays import ArrayFunction, Rollout, RolloutGradient, RolloutSignature, Signature, documented, ground_arrays, motions
+from ._arrays import NO_PARAMETERS, ArrayFunction, Rollout, RolloutGradient, RolloutSignature, Signature, documented, ground_arrays, motions
 from ._modyn import Robot
 from ._results import ActuatedStep, StepSolution
 from ._types import ConstraintSettings, HeightField, QuadraticCost, RolloutCosts, RolloutStates, StepSettings, of_fields
@@ -125,9 +125,7 @@ def parameters(robot: Robot) -> dict[str, Any]:
     """
     signature = Signature(robot, "inverse_dynamics", None)
     if not signature.parameters:
-        raise ValueError(
-            "the robot has no run-time parameters: load it with `runtime_gravity=True`, `runtime_inertia=[...]` or `payload=[...]`"
-        )
+        raise ValueError(NO_PARAMETERS)
     return signature.described(lambda x: _array(x, np.dtype(robot.dtype), "parameters", "parameters"))
 
 

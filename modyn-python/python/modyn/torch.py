@@ -27,6 +27,7 @@ import numpy as np
 from . import _cuda
 from ._arrays import (
     NO_HEIGHTS,
+    NO_PARAMETERS,
     ArrayFunction,
     Rollout,
     RolloutGradient,
@@ -162,9 +163,7 @@ def parameters(robot: Robot) -> dict[str, Any]:
     """
     signature = Signature(robot, "inverse_dynamics", None)
     if not signature.parameters:
-        raise ValueError(
-            "the robot has no run-time parameters: load it with `runtime_gravity=True`, `runtime_inertia=[...]` or `payload=[...]`"
-        )
+        raise ValueError(NO_PARAMETERS)
     return signature.described(torch.from_numpy)
 
 
