@@ -34,7 +34,7 @@ def _concatenate(arrays: list[Any]) -> Any:
     return np.concatenate([np.broadcast_to(array, (*lead, array.shape[-1])) for array in arrays], -1)
 
 
-class More(NamedTuple):
+class StructuredArguments(NamedTuple):
     """The arguments of a rollout that are more than one array."""
 
     cost: QuadraticCost | None
@@ -48,19 +48,19 @@ def _given(
     arguments: dict[str, Any],
     step: str,
     trajectory: bool,
-    more: More,
+    structured: StructuredArguments,
 ) -> tuple[list[Any], Rollout]:
     """Returns the arguments as arrays in the order of the step, and the rollout."""
     array = lambda argument, x: _array(robot, name, argument, x)
     signature = RolloutSignature.of(robot, step)
     arrays = {argument: array(argument, given) for argument, given in arguments.items()}
     signature.start(arrays, np.asarray)
-    if more.cost is not None:
-        signature.add_cost(arrays, more.cost, array, np)
+    if structured.cost is not None:
+        signature.add_cost(arrays, structured.cost, array, np)
         arrays["state_weights"] = np.ascontiguousarray(arrays["state_weights"])
-    if more.ground is not None:
-        signature.add_ground(arrays, more.ground, array, _concatenate)
-    signature.add_parameters(arrays, more.parameters, lambda x: array("parameters", x), _concatenate)
+    if structured.ground is not None:
+        signature.add_ground(arrays, structured.ground, array, _concatenate)
+    signature.add_parameters(arrays, structured.parameters, lambda x: array("parameters", x), _concatenate)
     found, own = signature.arrays(arrays)
     return found, signature.code(trajectory, *own)
 
@@ -107,7 +107,7 @@ def rollout(
     """
     state = {"q": q, "qd": qd, "controls": controls, "dt": dt, "act": act, "applied": applied}
     arguments = {**state, "settings": settings, "warm_start": warm_start, "gains": gains, "q_ref": q_ref, "qd_ref": qd_ref}
-    arrays, code = _given(self, "rollout", arguments, step, trajectory, More(cost, ground, parameters))
+    arrays, code = _given(self, "rollout", arguments, step, trajectory, StructuredArguments(cost, ground, parameters))
     return motions(code.handle.call(arrays))
 
 
@@ -145,7 +145,7 @@ def rollout_vjp(
     state = {"q": q, "qd": qd, "controls": controls, "dt": dt, "act": act, "applied": applied}
     arguments = {**state, "settings": settings, "warm_start": warm_start, "gains": gains, "q_ref": q_ref, "qd_ref": qd_ref}
     weights: tuple[Any, ...] = (q_cotangent, qd_cotangent, cost_cotangent)
-    arrays, code = _given(self, "rollout_vjp", arguments, step, trajectory, More(cost, ground, parameters))
+    arrays, code = _given(self, "rollout_vjp", arguments, step, trajectory, StructuredArguments(cost, ground, parameters))
     if cost is None and weights[2] is not None:
         raise TypeError("`cost_cotangent` of `rollout_vjp` needs a `cost`")
     solves = code.step.start is not None
