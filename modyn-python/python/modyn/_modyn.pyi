@@ -476,21 +476,19 @@ class Robot:
         """Returns the states of motions of many time steps in one call: after each step, (..., steps, n), or after the last
         one with `trajectory=False`. Many motions use the vector units and all cores.
 
-        Arguments: `q`: (nq,); `qd`: (nv,); `controls`: (steps, nv), the joint forces of each step; `dt`: the time step, s;
-        `step`: the method, such as `semi_implicit` for the function `step_semi_implicit`, or `step` for the function `step`,
-        with contacts and joint limits. This one has the arguments `settings`: `StepSettings`, by default the result of
-        `step_settings()`; `warm_start`: the accelerations from which the first solver starts, by default zeros; and `ground`: a
-        `HeightField` that sets the planes of the surfaces, by the place of each shape before each step; leading axes of its arrays
-        count motions, too. With a feedback, the
-        forces are `controls` + `gains` (x_ref - x), where the difference of states has the difference of coordinates in tangent space, then
-        the difference of velocities: `gains`: (nv, 2 nv), or (2, nv) for a gain of each joint's own
-        coordinate and of its velocity, and (steps, ...); `q_ref`: (nq,) or (steps, nq); `qd_ref`: (nv,) or (steps, nv);
-        one step stands for all of them. With `step="actuated"`, the function `step_actuated`, `controls` has a control for each
-        actuator, (steps, controls), and further arguments are `act`: the activations before the first step, by default zeros;
-        and `applied`: (nv,), joint forces of all steps, by default zeros; there is no feedback. With `cost`, a
-        `QuadraticCost`, each step adds the cost of its forces and of the state after it. `parameters`: the run-time parameters, by
-        default those of the robot: `gravity` (3,), and by link `inertia` and `payload` (10,), as in `{"payload": {"hand": numbers}}`.
-        Leading axes count motions, and are broadcast.
+        Arguments: `q`: (nq,); `qd`: (nv,); `controls`: (steps, nv), the joint forces of each step; `dt`: the time step, s; `step`: the
+        method, such as `semi_implicit` for the function `step_semi_implicit`, or `step` for the function `step`, with contacts and
+        joint limits. This one has the arguments `settings`: `StepSettings`, by default the result of `step_settings()`; `warm_start`:
+        the accelerations from which the first solver starts, by default zeros; and `ground`: a `HeightField` that sets the planes of
+        the surfaces, by the place of each shape before each step; leading axes of its arrays count motions, too. With a feedback, the
+        forces are `controls` + `gains` (x_ref - x), where the difference of states has the difference of coordinates in tangent space,
+        then the difference of velocities: `gains`: (nv, 2 nv), or (2, nv) for a gain of each joint's own coordinate and of its
+        velocity, and (steps, ...); `q_ref`: (nq,) or (steps, nq); `qd_ref`: (nv,) or (steps, nv); one step stands for all of them.
+        With `step="actuated"`, the function `step_actuated`, `controls` has a control for each actuator, (steps, controls), and
+        further arguments are `act`: the activations before the first step, by default zeros; and `applied`: (nv,), joint forces of all
+        steps, by default zeros; there is no feedback. With `cost`, a `QuadraticCost`, each step adds the cost of its forces and of the
+        state after it. `parameters`: the run-time parameters, by default those of the robot: `gravity` (3,), and by link `inertia` and
+        `payload` (10,), as in `{"payload": {"hand": numbers}}`. Leading axes count motions, and are broadcast.
         Result: `RolloutStates`: `q` and `qd`; with a cost `RolloutCosts`; of `step` `StepSolution` and of `actuated`
         `ActuatedStep`, with the largest `residual` and `iterations` of all steps with `trajectory=False`.
         """
