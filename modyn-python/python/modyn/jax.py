@@ -171,7 +171,9 @@ def _concatenate(arrays: list[Any]) -> Any:
     return jnp.concatenate([jnp.broadcast_to(array, (*lead, array.shape[-1])) for array in arrays], -1)
 
 
-jax.tree_util.register_dataclass(HeightField, ["heights", "origin", "spacing"], [])
+# JAX refuses a type twice, as when this module is loaded again.
+if jax.tree_util.all_leaves([HeightField(())]):
+    jax.tree_util.register_dataclass(HeightField, ["heights", "origin", "spacing"], [])
 
 # XLA's handler. The attribute `function` is the key of the code.
 _HANDLER = ctypes.CFUNCTYPE(ctypes.c_void_p, ctypes.c_void_p)(_modyn.xla_handler())
